@@ -1,0 +1,33 @@
+# pellucid_room(<name> SOURCES ... USES <rooms or targets> PRIVATE_USES ...)
+# One static library `pellucid_<name>`, alias `pellucid::<name>`, for the room src/<name>.
+function(pellucid_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
+  add_library(pellucid_${name} STATIC ${ROOM_SOURCES})
+  add_library(pellucid::${name} ALIAS pellucid_${name})
+  set_target_properties(pellucid_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(pellucid_${name} PUBLIC cxx_std_20)
+  target_include_directories(pellucid_${name}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
+    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(pellucid_${name}
+    PUBLIC ${ROOM_USES}
+    PRIVATE $<BUILD_INTERFACE:pellucid_defaults> ${ROOM_PRIVATE_USES})
+  set_property(GLOBAL APPEND PROPERTY PELLUCID_ROOMS pellucid_${name})
+endfunction()
+
+# pellucid_test(<name> SOURCES ... USES ...): one GoogleTest program `<name>_test`.
+# Its tests may read files through PELLUCID_TEST_DATA (tests/data) and PELLUCID_MODELS
+# (the optional folder of dev models; a test that needs it skips, and says so, where it is missing).
+function(pellucid_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;USES" ${ARGN})
+  add_executable(${name}_test ${TEST_SOURCES})
+  target_link_libraries(${name}_test PRIVATE ${TEST_USES} pellucid_defaults GTest::gtest_main GTest::gmock)
+  target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${name}_test PRIVATE
+    PELLUCID_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
+    PELLUCID_MODELS="${PELLUCID_MODELS}")
+  gtest_discover_tests(${name}_test PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+endfunction()
+
+set(PELLUCID_MODELS "${PROJECT_SOURCE_DIR}/../shared/models" CACHE PATH
+  "Folder of optional dev models (static/, animated/, scenes/)")

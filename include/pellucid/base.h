@@ -10,9 +10,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pellucid {
 
@@ -151,6 +153,19 @@ class Random {
  private:
   std::uint64_t state_;
 };
+
+// ------------------------------------------------------------------------------------------------ files
+
+// The whole of a file. Throws Error{bad_input} naming the path and the system's reason (missing, a directory, no
+// permission, larger than `max_bytes`).
+std::vector<std::byte> read_file(const std::string& path, std::uint64_t max_bytes = std::uint64_t{8} << 30U);
+
+// Write through a temporary file beside `path`, flush it to disk, then rename: the file appears whole or not at all,
+// and the temporary is gone whatever happens. Throws Error{cannot_write} naming the path and the reason.
+void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
+void write_file_atomically(const std::string& path, std::string_view text);
+
+// ---------------------------------------------------------------------------------------------- process
 
 // Largest resident set of this process so far, in bytes (0 where the system does not say).
 std::uint64_t peak_rss_bytes();

@@ -38,10 +38,14 @@ std::string to_string(const PartitionSpec& spec);  // "S2,2"
 
 // Triangle mesh of the unit sphere: an icosahedron after `level` midpoint subdivisions.
 struct Icosphere {
-  std::vector<Vec3d> vertices;               // unit vectors, 10*4^level + 2
-  std::vector<std::array<std::uint32_t, 3>> triangles;  // 20*4^level, counter-clockwise from outside;
-                                             // children of triangle f: 4f+0..2 at its corners, 4f+3 in the middle
+  std::vector<Vec3d> vertices;  // unit vectors, 10*4^level + 2
+  std::vector<std::array<std::uint32_t, 3>>
+      triangles;  // 20*4^level, counter-clockwise from outside;
+                  // children of triangle f: 4f+0..2 at its corners, 4f+3 in the middle
 };
+// Vertices of a level keep their ids in finer levels; new ones are numbered in the order in which the
+// triangles of the coarser level meet them (midpoint opposite to corner 0, 1, 2). Throws Error{bad_argument}
+// above level 9.
 Icosphere make_icosphere(std::uint32_t level);
 
 struct ViewPartition {
@@ -60,6 +64,9 @@ struct ViewPartition {
   std::vector<std::array<Vec3d, 3>> corners;
   // P cells: cosine of an angle about the cell's direction that contains its whole region. Empty for S.
   std::vector<double> cap_cosines;
+  // P cells: the cell of every corner of the icosphere's triangles, index 3 * triangle + corner: what
+  // pellucid_find_corner of select.h answers. Empty for S, where it answers cells directly.
+  std::vector<std::uint32_t> corner_cells;
 
   [[nodiscard]] std::uint32_t cell_count() const {
     return static_cast<std::uint32_t>(cell_offsets.empty() ? 0 : cell_offsets.size() - 1);
@@ -96,10 +103,14 @@ struct Viewpoint {
 bool front_visible(const ViewPartition& partition, std::uint32_t cell, const Vec3d& normal, double offset,
                    double radius, double min_distance, double max_distance);
 
+// The cell whose region contains `direction`, by the descent of select.h. O(level).
+std::uint32_t find_cell(const ViewPartition& partition, const Vec3d& direction);
+
 // The cell whose region contains `direction` (brute-force reference for select.h; ties: lowest id). O(cells).
 std::uint32_t find_cell_brute_force(const ViewPartition& partition, const Vec3d& direction);
 
 // `count` viewpoints, directions uniform on the sphere, distances uniform in [min_distance, max_distance].
+// Throws Error{bad_argument} unless 0 < min_distance <= max_distance; infinity only where both are.
 std::vector<Viewpoint> random_viewpoints(std::uint32_t count, double min_distance, double max_distance,
                                          std::uint64_t seed);
 

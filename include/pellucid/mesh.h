@@ -24,7 +24,8 @@ struct Mesh {
 };
 
 // Ball round the centre of the axis-aligned bounding box, just large enough for all positions that a
-// triangle uses. Every distance in pellucid is in units of this radius, R.
+// triangle uses (indices out of range and NaN or infinite positions are ignored). Every distance in pellucid
+// is in units of this radius, R.
 struct BoundingSphere {
   Vec3d center;
   double radius = 0;  // 0 for a mesh without extent
@@ -35,13 +36,14 @@ BoundingSphere bounding_sphere(const Mesh& mesh);
 struct MeshReport {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t out_of_range = 0;   // an index >= vertices
-  std::uint64_t non_finite = 0;     // a corner is NaN or infinite
-  std::uint64_t degenerate = 0;     // two equal corners (by position), or no area in double precision
-  std::uint64_t duplicate = 0;      // same three positions, same winding, as an earlier triangle
+  std::uint64_t out_of_range = 0;  // an index >= vertices
+  std::uint64_t non_finite = 0;    // a corner is NaN or infinite
+  std::uint64_t degenerate = 0;    // two equal corners (by position), or no area in double precision
+  std::uint64_t duplicate = 0;     // same three positions, same winding, as an earlier triangle
   std::uint64_t unreferenced_vertices = 0;
-  std::uint64_t boundary_edges = 0;      // edges with one triangle, positions welded
-  std::uint64_t non_manifold_edges = 0;  // edges with more than two triangles, positions welded
+  // Edges with positions welded, over the triangles with three distinct finite corners (duplicates included):
+  std::uint64_t boundary_edges = 0;      // with one triangle
+  std::uint64_t non_manifold_edges = 0;  // with more than two triangles
   [[nodiscard]] bool closed() const { return boundary_edges == 0 && triangles > 0; }
 };
 MeshReport check(const Mesh& mesh);
@@ -56,7 +58,7 @@ struct CleanOptions {
 };
 
 struct CleanMesh {
-  Mesh mesh;                          // same vertices (non-finite ones unreferenced), triangles in input order
+  Mesh mesh;  // same vertices (non-finite ones unreferenced), triangles in input order
   std::vector<std::uint32_t> source;  // mesh.triangles[i] was triangle source[i] of the input
   MeshReport report;                  // of the input
 };
@@ -67,15 +69,16 @@ CleanMesh clean(const Mesh& mesh, const CleanOptions& options, const std::string
 // Vertex -> first vertex with bit-equal position (-0 equals +0). O(V).
 std::vector<std::uint32_t> weld_by_position(std::span<const Vec3f> positions);
 
-// Area-weighted vertex normals, smooth over welded positions with a crease at `crease_degrees`
-// is not attempted: one normal per vertex index. Zero where no triangle touches the vertex.
+// Area-weighted unit normals, one per vertex index: vertices that share a position (seams) keep their own, so
+// that creases stay. Zero where no triangle with area touches the vertex.
 std::vector<Vec3f> vertex_normals(const Mesh& mesh);
 
 // Unit normal of a triangle in double precision; zero vector when it has no area.
 Vec3d triangle_normal(const Mesh& mesh, std::uint32_t triangle);
 
-// Quadric edge-collapse simplification to at most `target_triangles` (meshoptimizer; positions welded
-// first). Deterministic. The result is compacted: every vertex is used.
+// Quadric edge-collapse simplification to at most `target_triangles` (meshoptimizer; cleaned and welded by
+// position first; where topology forbids the last collapses, as in a cloud of small parts, it is given up).
+// Deterministic. The result is compacted: every vertex is used; it has normals (recomputed) if the input has.
 Mesh simplify(const Mesh& mesh, std::uint32_t target_triangles);
 
 // ---------------------------------------------------------------------------------- procedural samples
@@ -89,11 +92,12 @@ std::span<const SampleInfo> sample_list();
 // One object of a procedural scene: a mesh and how it looks.
 struct SamplePart {
   std::string name;
-  Mesh mesh;                                 // with normals
+  Mesh mesh;                                    // with normals
   std::array<float, 4> base_color{1, 1, 1, 1};  // linear RGB and alpha
 };
-// `detail` scales the triangle count (1: the default size, 2: about twice as many triangles).
-// Throws Error{bad_argument} for an unknown name, listing the known ones.
+// `detail` scales the triangle count (1: the default size, 2: about twice as many triangles), 0.01 to 1000.
+// Throws Error{bad_argument} for an unknown name, listing the known ones, and for a detail outside that
+// range.
 std::vector<SamplePart> make_sample(const std::string& name, double detail = 1.0);
 
 }  // namespace pellucid

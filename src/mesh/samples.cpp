@@ -1,0 +1,309 @@
+// Procedural samples, so that nothing must be downloaded: see pellucid/mesh.h. Metres would make them
+// table-top sized; they are one to four units tall, because only ratios matter here.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "pellucid/mesh.h"
+#include "sample_shapes.h"
+
+namespace pellucid {
+namespace {
+
+using Color = std::array<float, 4>;
+
+// `count` at detail 1; triangles grow with the square of a linear resolution.
+std::uint32_t scaled(double count, double detail, std::uint32_t at_least) {
+  return std::max(at_least, static_cast<std::uint32_t>(std::lround(count * std::sqrt(detail))));
+}
+
+// ------------------------------------------------------------------------------------------------ goblet
+
+std::vector<SamplePart> make_goblet(double detail) {
+  // From below the foot, up the stem and the outside of the bowl, over the rim, down the inside to its floor.
+  constexpr std::array<ProfilePoint, 27> kControls{
+      {{0, 0.03},    {0.25, 0.022}, {0.46, 0.0},  {0.52, 0.014},  {0.49, 0.04},  {0.33, 0.065},
+       {0.14, 0.12}, {0.065, 0.24}, {0.05, 0.42}, {0.095, 0.52},  {0.05, 0.62},  {0.065, 0.78},
+       {0.2, 0.92},  {0.42, 1.12},  {0.52, 1.42}, {0.49, 1.75},   {0.438, 1.99}, {0.425, 2.005},
+       {0.41, 1.99}, {0.46, 1.75},  {0.49, 1.42}, {0.395, 1.145}, {0.28, 1.03},  {0.19, 0.965},
+       {0.12, 0.93}, {0.05, 0.912}, {0, 0.91}}};
+  const Profile profile = smooth_profile(kControls, scaled(3, detail, 1));
+  return {{"goblet", revolve(profile, scaled(72, detail, 6)), {0.75F, 0.9F, 0.95F, 0.35F}}};
+}
+
+// ------------------------------------------------------------------------------------------- torus knot
+
+// The (2, 3) torus knot on a torus with radii 1 and 0.5.
+CurvePoint torus_knot_point(double t) {
+  constexpr double kMinor = 0.5;
+  constexpr double kRound = 2;
+  constexpr double kThrough = 3;
+  const double u = 2.0 * std::numbers::pi * t;
+  const Vec3d outward{std::cos(kRound * u), std::sin(kRound * u), 0};
+  const Vec3d sideways{-outward.y, outward.x, 0};
+  const double reach = 1.0 + kMinor * std::cos(kThrough * u);
+  CurvePoint point;
+  point.position = outward * reach + Vec3d{0, 0, kMinor * std::sin(kThrough * u)};
+  point.tangent = sideways * (kRound * reach) - outward * (kMinor * kThrough * std::sin(kThrough * u)) +
+                  Vec3d{0, 0, kMinor * kThrough * std::cos(kThrough * u)};
+  // The torus' own normal is never parallel to a curve on it, and closes after one period.
+  point.side = outward * std::cos(kThrough * u) + Vec3d{0, 0, std::sin(kThrough * u)};
+  return point;
+}
+
+std::vector<SamplePart> make_torus_knot(double detail) {
+  return {{"torus-knot",
+           tube(torus_knot_point, 0.22, scaled(220, detail, 24), scaled(28, detail, 6)),
+           {0.9F, 0.45F, 0.2F, 0.5F}}};
+}
+
+// ---------------------------------------------------------------------------------------- nested shells
+
+std::vector<SamplePart> make_nested_shells(double detail) {
+  struct Shell {
+    double radius, frequency, phase;
+    Color color;
+  };
+  constexpr std::array<Shell, 5> kShells{{{1.00, 5, 0.0, {0.85F, 0.25F, 0.25F, 0.3F}},
+                                          {0.80, 7, 1.1, {0.9F, 0.7F, 0.2F, 0.35F}},
+                                          {0.60, 4, 2.3, {0.3F, 0.75F, 0.35F, 0.4F}},
+                                          {0.42, 6, 0.7, {0.25F, 0.5F, 0.9F, 0.45F}},
+                                          {0.25, 3, 1.9, {0.6F, 0.3F, 0.8F, 0.6F}}}};
+  // At 6 % the bumps of neighbouring shells stay apart, also where a coarse lattice cuts corners.
+  constexpr double kBump = 0.06;
+  std::vector<SamplePart> parts;
+  for (const Shell& shell : kShells) {
+    const auto radius = [&](const Vec3d& d) {
+      const double waves = std::sin(shell.frequency * d.x + shell.phase) +
+                           std::sin(shell.frequency * d.y + 2 * shell.phase) +
+                           std::sin(shell.frequency * d.z + 3 * shell.phase);
+      return shell.radius * (1.0 + kBump * waves / 3.0);
+    };
+    parts.push_back({"shell-" + std::to_string(parts.size() + 1), star_shape(radius, scaled(13, detail, 6)),
+                     shell.color});
+  }
+  return parts;
+}
+
+// --------------------------------------------------------------------------------------- coplanar stack
+
+// Five discs with the very same positions, one of them face down.
+Mesh coincident_discs(double detail) {
+  const Mesh one = disc(0.9, 0.0, scaled(24, detail, 8));
+  Mesh mesh;
+  for (int i = 0; i < 5; ++i) append(mesh, i == 2 ? flipped(one) : one);
+  return mesh;
+}
+
+// Different triangulations of overlapping shapes in exactly one plane.
+Mesh overlapping_shapes(double detail) {
+  Mesh mesh = grid(0.8, 0.0, scaled(4, detail, 1));
+  append(mesh, disc(0.7, 0.0, scaled(20, detail, 8)));
+  Mesh turned = grid(0.75, 0.0, scaled(3, detail, 1));
+  turn_about_y(turned, 0.6);
+  append(mesh, turned);
+  append(mesh, disc(0.4, 0.0, 5));
+  return mesh;
+}
+
+// Sheets whose gaps grow tenfold, from one in ten million to one in ten.
+Mesh almost_coplanar_sheets(double detail) {
+  Mesh mesh = grid(0.8, 0.0, scaled(4, detail, 1));
+  for (const double height : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1}) {
+    Mesh sheet = grid(0.8, height, scaled(4, detail, 1));
+    append(mesh, sheet);
+  }
+  return mesh;
+}
+
+std::vector<SamplePart> make_coplanar_stack(double detail) {
+  std::vector<SamplePart> parts{
+      {"coincident-discs", coincident_discs(detail), {0.85F, 0.3F, 0.3F, 0.4F}},
+      {"overlapping-shapes", overlapping_shapes(detail), {0.3F, 0.7F, 0.4F, 0.4F}},
+      {"almost-coplanar-sheets", almost_coplanar_sheets(detail), {0.3F, 0.45F, 0.85F, 0.4F}}};
+  float x = -2.0F;
+  for (SamplePart& part : parts) {
+    translate(part.mesh, {x, 0, 0});
+    x += 2.0F;
+  }
+  return parts;
+}
+
+// ---------------------------------------------------------------------------------------------- bottles
+
+struct BottleShape {
+  std::string name;
+  std::vector<ProfilePoint> outside;  // from the axis under the base up to the mouth
+  double wall = 0.03;
+  double fill_height = 1;
+  double label_bottom = 0, label_top = 0;
+  double depth_scale = 1;
+  Vec3f position;
+  Color glass, liquid, label;
+};
+
+// Half a circle from the end of `outer` to the end of `inner`.
+void append_lip(Profile& profile, const ProfilePoint& outer, const ProfilePoint& inner, std::uint32_t steps) {
+  const double middle = (outer.radius + inner.radius) / 2;
+  const double radius = (outer.radius - inner.radius) / 2;
+  for (std::uint32_t k = 1; k < steps; ++k) {
+    const double angle = std::numbers::pi * k / steps;
+    profile.push_back({middle + radius * std::cos(angle), outer.height + radius * std::sin(angle)});
+  }
+}
+
+Profile glass_profile(const Profile& outside, double wall) {
+  const Profile inside = offset_profile(outside, wall);
+  Profile profile = outside;
+  append_lip(profile, outside.back(), inside.back(), 4);
+  profile.insert(profile.end(), inside.rbegin(), inside.rend());
+  return profile;
+}
+
+// What fills the bottle up to `fill_height`, a little off the glass.
+Profile liquid_profile(const Profile& outside, double wall, double fill_height) {
+  constexpr double kGap = 0.012;
+  const Profile inside = offset_profile(outside, wall + kGap);
+  Profile profile;
+  for (const ProfilePoint& p : inside) {
+    if (p.height >= fill_height) break;
+    profile.push_back(p);
+  }
+  const double brim = profile.back().radius;
+  constexpr int kRings = 4;
+  for (int i = kRings; i > 0; --i) profile.push_back({brim * i / kRings, fill_height});
+  profile.push_back({0, fill_height});
+  return profile;
+}
+
+// An open band round the bottle, a little off the glass.
+Profile label_profile(const Profile& outside, double bottom, double top) {
+  constexpr double kGap = 0.006;
+  Profile profile;
+  for (const ProfilePoint& p : offset_profile(outside, -kGap)) {
+    if (p.height >= bottom && p.height <= top && p.radius > 0.2) profile.push_back(p);
+  }
+  return profile;
+}
+
+void add_bottle(std::vector<SamplePart>& parts, const BottleShape& shape, double detail) {
+  const std::uint32_t segments = scaled(48, detail, 8);
+  const Profile outside = smooth_profile(shape.outside, scaled(3, detail, 2));
+  const auto add = [&](const std::string& what, const Profile& profile, const Color& color) {
+    SamplePart part{shape.name + "-" + what, revolve(profile, segments, shape.depth_scale), color};
+    translate(part.mesh, shape.position);
+    parts.push_back(std::move(part));
+  };
+  add("glass", glass_profile(outside, shape.wall), shape.glass);
+  add("liquid", liquid_profile(outside, shape.wall, shape.fill_height), shape.liquid);
+  add("label", label_profile(outside, shape.label_bottom, shape.label_top), shape.label);
+}
+
+std::vector<SamplePart> make_bottles(double detail) {
+  const std::array<BottleShape, 3> shapes{{{"wine",
+                                            {{0, 0.1},
+                                             {0.2, 0.06},
+                                             {0.33, 0.0},
+                                             {0.385, 0.06},
+                                             {0.39, 0.3},
+                                             {0.39, 0.7},
+                                             {0.39, 1.1},
+                                             {0.39, 1.5},
+                                             {0.36, 1.8},
+                                             {0.22, 2.1},
+                                             {0.14, 2.4},
+                                             {0.13, 2.7},
+                                             {0.15, 2.82},
+                                             {0.15, 2.95}},
+                                            0.03,
+                                            1.7,
+                                            0.45,
+                                            1.3,
+                                            1.0,
+                                            {-1.2F, 0, 0},
+                                            {0.2F, 0.55F, 0.25F, 0.45F},
+                                            {0.45F, 0.02F, 0.08F, 0.7F},
+                                            {0.95F, 0.92F, 0.8F, 0.85F}},
+                                           {"flask",
+                                            {{0, 0.0},
+                                             {0.3, 0.0},
+                                             {0.5, 0.05},
+                                             {0.66, 0.3},
+                                             {0.7, 0.6},
+                                             {0.62, 0.95},
+                                             {0.42, 1.2},
+                                             {0.22, 1.4},
+                                             {0.16, 1.65},
+                                             {0.17, 1.85},
+                                             {0.23, 1.95},
+                                             {0.24, 2.0}},
+                                            0.04,
+                                            0.9,
+                                            0.45,
+                                            0.75,
+                                            1.0,
+                                            {0.3F, 0, 0.2F},
+                                            {0.8F, 0.9F, 0.95F, 0.3F},
+                                            {0.2F, 0.5F, 0.9F, 0.5F},
+                                            {0.9F, 0.6F, 0.3F, 0.8F}},
+                                           {"hip-flask",
+                                            {{0, 0.03},
+                                             {0.3, 0.02},
+                                             {0.5, 0.02},
+                                             {0.58, 0.1},
+                                             {0.6, 0.4},
+                                             {0.6, 0.8},
+                                             {0.6, 1.2},
+                                             {0.5, 1.45},
+                                             {0.28, 1.55},
+                                             {0.16, 1.68},
+                                             {0.14, 1.85},
+                                             {0.15, 1.95}},
+                                            0.035,
+                                            1.15,
+                                            0.45,
+                                            0.95,
+                                            0.5,
+                                            {1.7F, 0, -0.1F},
+                                            {0.85F, 0.8F, 0.7F, 0.35F},
+                                            {0.8F, 0.45F, 0.1F, 0.6F},
+                                            {0.3F, 0.3F, 0.35F, 0.85F}}}};
+  std::vector<SamplePart> parts;
+  for (const BottleShape& shape : shapes) add_bottle(parts, shape, detail);
+  return parts;
+}
+
+// ------------------------------------------------------------------------------------------------- list
+
+using SampleMaker = std::vector<SamplePart> (*)(double detail);
+constexpr std::array<SampleMaker, 5> kMakers{make_goblet, make_torus_knot, make_nested_shells,
+                                             make_coplanar_stack, make_bottles};
+
+}  // namespace
+
+std::span<const SampleInfo> sample_list() {
+  static const std::array<SampleInfo, kMakers.size()> list{
+      {{"goblet", "a wine glass with real wall thickness, foot and stem: one closed surface"},
+       {"torus-knot", "a closed tube along the (2,3) torus knot, up to six layers deep"},
+       {"nested-shells", "five bumpy closed shells inside each other, one part each"},
+       {"coplanar-stack",
+        "sheets that coincide exactly, share a plane, or are 1e-7 to 0.1 apart: z-fighting data"},
+       {"bottles", "three bottles with wall thickness, liquid and an open label band, one part each"}}};
+  return list;
+}
+
+std::vector<SamplePart> make_sample(const std::string& name, double detail) {
+  if (!(detail >= 0.01 && detail <= 1000.0)) {
+    throw Error(ErrorKind::bad_argument, "detail must be between 0.01 and 1000");
+  }
+  const std::span<const SampleInfo> list = sample_list();
+  std::string known;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].name == name) return kMakers[i](detail);
+    known += (i == 0 ? "" : ", ") + list[i].name;
+  }
+  throw Error(ErrorKind::bad_argument, "unknown sample '" + name + "'; known samples: " + known);
+}
+
+}  // namespace pellucid

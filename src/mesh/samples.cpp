@@ -161,6 +161,18 @@ Profile glass_profile(const Profile& outside, double wall) {
   return profile;
 }
 
+// Where the profile first climbs past `height`.
+ProfilePoint climb_past(const Profile& profile, double height) {
+  for (std::size_t i = 1; i < profile.size(); ++i) {
+    const ProfilePoint& low = profile[i - 1];
+    const ProfilePoint& high = profile[i];
+    if (low.height <= height && height < high.height) {
+      return {std::lerp(low.radius, high.radius, (height - low.height) / (high.height - low.height)), height};
+    }
+  }
+  return profile.back();
+}
+
 // What fills the bottle up to `fill_height`, a little off the glass.
 Profile liquid_profile(const Profile& outside, double wall, double fill_height) {
   constexpr double kGap = 0.012;
@@ -170,25 +182,25 @@ Profile liquid_profile(const Profile& outside, double wall, double fill_height) 
     if (p.height >= fill_height) break;
     profile.push_back(p);
   }
-  const double brim = profile.back().radius;
+  const ProfilePoint brim = climb_past(inside, fill_height);
   constexpr int kRings = 4;
-  for (int i = kRings; i > 0; --i) profile.push_back({brim * i / kRings, fill_height});
-  profile.push_back({0, fill_height});
+  for (int i = kRings; i >= 0; --i) profile.push_back({brim.radius * i / kRings, fill_height});
   return profile;
 }
 
 // An open band round the bottle, a little off the glass.
-Profile label_profile(const Profile& outside, double bottom, double top) {
+Profile label_profile(const Profile& outside, double bottom, double top, std::uint32_t steps) {
   constexpr double kGap = 0.006;
+  const Profile around = offset_profile(outside, -kGap);
   Profile profile;
-  for (const ProfilePoint& p : offset_profile(outside, -kGap)) {
-    if (p.height >= bottom && p.height <= top && p.radius > 0.2) profile.push_back(p);
+  for (std::uint32_t i = 0; i <= steps; ++i) {
+    profile.push_back(climb_past(around, std::lerp(bottom, top, static_cast<double>(i) / steps)));
   }
   return profile;
 }
 
 void add_bottle(std::vector<SamplePart>& parts, const BottleShape& shape, double detail) {
-  const std::uint32_t segments = scaled(48, detail, 8);
+  const std::uint32_t segments = scaled(32, detail, 8);
   const Profile outside = smooth_profile(shape.outside, scaled(3, detail, 2));
   const auto add = [&](const std::string& what, const Profile& profile, const Color& color) {
     SamplePart part{shape.name + "-" + what, revolve(profile, segments, shape.depth_scale), color};
@@ -197,7 +209,8 @@ void add_bottle(std::vector<SamplePart>& parts, const BottleShape& shape, double
   };
   add("glass", glass_profile(outside, shape.wall), shape.glass);
   add("liquid", liquid_profile(outside, shape.wall, shape.fill_height), shape.liquid);
-  add("label", label_profile(outside, shape.label_bottom, shape.label_top), shape.label);
+  add("label", label_profile(outside, shape.label_bottom, shape.label_top, scaled(8, detail, 2)),
+      shape.label);
 }
 
 std::vector<SamplePart> make_bottles(double detail) {

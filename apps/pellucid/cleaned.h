@@ -1,0 +1,30 @@
+// Orders are made for clean meshes and stored for the file's own triangles: the way there and back.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "pellucid/asset.h"
+#include "pellucid/mesh.h"
+#include "pellucid/order.h"
+
+namespace pellucid::cli {
+
+// Triangle t of the orders becomes triangle source[t].
+OrderSet lift_orders(OrderSet orders, std::span<const std::uint32_t> source);
+// The inverse: triangle source[t] becomes t, nodes of triangles that `source` does not name are left out.
+OrderSet restrict_orders(OrderSet orders, std::span<const std::uint32_t> source,
+                         std::uint64_t file_triangles);
+
+// Only the vertices that triangles use, in their order.
+Mesh compacted(const Mesh& mesh);
+
+// A primitive as it is measured and drawn: clean, its orders (if any) referring to the clean mesh.
+struct CleanPrimitive {
+  Mesh mesh;
+  std::optional<OrderSet> orders;
+};
+CleanPrimitive clean_primitive(const Primitive& primitive);
+
+}  // namespace pellucid::cli

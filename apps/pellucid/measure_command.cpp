@@ -1,0 +1,328 @@
+// pellucid measure: how good the orders of a file are, against exact truth and beside their rivals.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <set>
+
+#include "cleaned.h"
+#include "pellucid/report.h"
+#include "scene.h"
+#include "session.h"
+#include "terminal_progress.h"
+
+namespace pellucid::cli {
+namespace {
+
+constexpr std::uint32_t kPictureSize = 480;
+
+struct MeasureCommandOptions {
+  std::vector<std::string> inputs;
+  std::string original;
+  std::uint32_t simplify = 0;
+  MeasureSettings settings;
+  std::string distances = "2,5";
+  std::int64_t primitive = -1;
+  bool no_baselines = false;
+  std::string report;
+};
+
+struct Input {
+  std::string path, label;
+  std::vector<std::string> names;  // of the primitives
+  std::vector<CleanPrimitive> primitives;
+};
+
+void parse_distance_range(const std::string& text, MeasureSettings& settings) {
+  int used = 0;
+  const int read =
+      std::sscanf(text.c_str(), "%lf,%lf%n", &settings.min_distance, &settings.max_distance, &used);
+  if (read != 2 || static_cast<std::size_t>(used) != text.size() || !(settings.min_distance > 1) ||
+      !(settings.max_distance >= settings.min_distance) || !std::isfinite(settings.max_distance)) {
+    throw Error(ErrorKind::bad_argument,
+                "--distances: '" + text + "' is not MIN,MAX in bounding radii with 1 < MIN <= MAX");
+  }
+}
+
+// The primitives that are measured: those with orders; where a file has none, all its triangles.
+Input read_input(const std::string& path, const std::string& label, bool want_orders,
+                 std::uint32_t simplify_to) {
+  Model model = read_model(path);
+  Input input{path, label, {}, {}};
+  for (Primitive& primitive : model.primitives) {
+    if (!primitive.triangles || primitive.mesh.triangles.empty()) continue;
+    if (want_orders && !primitive.orders) continue;
+    CleanPrimitive clean = clean_primitive(primitive);
+    if (simplify_to > 0 && clean.mesh.triangles.size() > simplify_to)
+      clean.mesh = simplify(clean.mesh, simplify_to);
+    if (clean.mesh.triangles.empty()) continue;
+    input.names.push_back(primitive.name);
+    input.primitives.push_back(std::move(clean));
+  }
+  return input;
+}
+
+// File stems, made different where they are the same.
+std::vector<std::string> labels_of(const std::vector<std::string>& paths) {
+  std::vector<std::string> labels;
+  std::set<std::string> used{"original", "base", "cache_optimized", "centroid_sort"};
+  for (const std::string& path : paths) {
+    const std::string stem = std::filesystem::path(path).stem().string();
+    std::string label = stem;
+    for (int k = 2; !used.insert(label).second; ++k) label = fmt::format("{}-{}", stem, k);
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+std::vector<Input> read_inputs(const MeasureCommandOptions& options) {
+  const std::vector<std::string> labels = labels_of(options.inputs);
+  std::vector<Input> inputs;
+  for (std::size_t i = 0; i < options.inputs.size(); ++i) {
+    inputs.push_back(read_input(options.inputs[i], labels[i], true, 0));
+  }
+  if (inputs.front().primitives.empty()) {
+    if (inputs.size() > 1) {
+      throw Error(ErrorKind::nothing_to_do, options.inputs.front() + ": there are no orders in it");
+    }
+    inputs.front() = read_input(options.inputs.front(), labels.front(), false, options.simplify);
+  }
+  if (inputs.front().primitives.empty()) {
+    throw Error(ErrorKind::nothing_to_do, options.inputs.front() + ": there are no triangles in it");
+  }
+  for (const Input& input : inputs) {
+    if (input.primitives.size() != inputs.front().primitives.size()) {
+      throw Error(
+          ErrorKind::bad_argument,
+          fmt::format("{}: {} ordered primitive(s), but {} has {}: they cannot be compared", input.path,
+                      input.primitives.size(), inputs.front().path, inputs.front().primitives.size()));
+    }
+  }
+  return inputs;
+}
+
+// The mesh whose triangle order is the `original` one: of --original, by the primitive's name where the file
+// has several; or of the file itself where nothing has been ordered yet.
+const Mesh* original_mesh(const Input& original, const Input& main, std::size_t k) {
+  if (original.primitives.size() == main.primitives.size()) return &original.primitives[k].mesh;
+  for (std::size_t i = 0; i < original.names.size(); ++i) {
+    if (original.names[i] == main.names[k]) return &original.primitives[i].mesh;
+  }
+  throw Error(ErrorKind::bad_argument,
+              fmt::format("{}: no primitive named '{}' as in {}", original.path, main.names[k], main.path));
+}
+
+struct PictureMaker {
+  const CleanPrimitive* ordered;
+  const Mesh* original;  // may be null
+  double alpha;
+
+  [[nodiscard]] PictureRow row(const std::string& title, const Viewpoint& view, Shading shading) const {
+    ShadingOptions look;
+    look.shading = shading;
+    look.alpha = alpha;
+    PictureRow row{title, {}};
+    const Mesh& mesh = ordered->mesh;
+    FragmentBuffer fragments;
+    const Camera camera = draw(mesh, view, fragments);
+    row.pictures.push_back({"exact", encode_png(shade_exact(mesh, camera, fragments, look))});
+    const std::vector<std::uint32_t> ranks = ranks_from(mesh, *ordered->orders, view);
+    const PixelCount wrong = count_incorrect_pixels(fragments, ranks);
+    row.pictures.push_back(
+        {"in-depth buffer", encode_png(shade_ordered(mesh, camera, fragments, ranks, look))});
+    row.pictures.push_back(rival(view, look));
+    const double ipr = wrong.foreground == 0
+                           ? 0
+                           : static_cast<double>(wrong.incorrect) / static_cast<double>(wrong.foreground);
+    row.pictures.push_back(
+        {"wrong pixels: " + format_percent(ipr), encode_png(error_image(fragments, ranks))});
+    return row;
+  }
+
+ private:
+  Camera draw(const Mesh& mesh, const Viewpoint& view, FragmentBuffer& fragments) const {
+    const Camera camera = look_at_sphere(bounding_sphere(mesh), view, kPictureSize, kPictureSize);
+    RasterOptions raster;
+    if (ordered->orders->facing == Facing::single) raster.culling = Culling::back;
+    rasterize(mesh, camera, raster, fragments);
+    return camera;
+  }
+
+  // What a viewer shows without the orders.
+  [[nodiscard]] ReportPicture rival(const Viewpoint& view, const ShadingOptions& look) const {
+    const Mesh& mesh = original != nullptr ? *original : ordered->mesh;
+    FragmentBuffer fragments;
+    const Camera camera = draw(mesh, view, fragments);
+    const std::vector<std::uint32_t> ranks =
+        original != nullptr ? ranks_as_stored(mesh.triangles.size())
+                            : ranks_of_triangles(ordered->orders->base_sequence, mesh.triangles.size());
+    return {original != nullptr ? "original order" : "best single order",
+            encode_png(shade_ordered(mesh, camera, fragments, ranks, look))};
+  }
+};
+
+std::vector<PictureRow> picture_rows(const PictureMaker& maker, const MethodQuality& quality,
+                                     const MeasureSettings& settings) {
+  std::vector<PictureRow> rows;
+  for (const char* camera : {"30,15,2.5", "150,-10,2.5", "265,35,2.5"}) {
+    const Viewpoint view = parse_camera(camera);
+    rows.push_back(maker.row(fmt::format("Camera {}, lit", camera), view, Shading::lit));
+    rows.push_back(maker.row(fmt::format("Camera {}, depth as colour", camera), view, Shading::depth));
+  }
+  const auto worst =
+      std::max_element(quality.frames.begin(), quality.frames.end(),
+                       [](const FrameError& a, const FrameError& b) { return a.ipr() < b.ipr(); });
+  if (worst != quality.frames.end()) {
+    const std::vector<Viewpoint> views =
+        random_viewpoints(settings.viewpoints, settings.min_distance, settings.max_distance, settings.seed);
+    const auto index = static_cast<std::size_t>(worst - quality.frames.begin());
+    rows.push_back(maker.row(fmt::format("The worst of all {} viewpoints, at {} radii", settings.viewpoints,
+                                         format_fixed(views[index].distance, 2)),
+                             views[index], Shading::lit));
+  }
+  return rows;
+}
+
+std::string command_line(const MeasureCommandOptions& options) {
+  std::string line = "pellucid measure";
+  for (const std::string& input : options.inputs) line += " " + input;
+  if (!options.original.empty()) line += " --original " + options.original;
+  if (options.simplify > 0) line += fmt::format(" --simplify {}", options.simplify);
+  const MeasureSettings& s = options.settings;
+  return line + fmt::format(" --views {} --size {} --distances {} --seed {} --cache {} --alpha {}",
+                            s.viewpoints, s.size, options.distances, s.seed, s.cache_size, s.alpha);
+}
+
+void write_report(const MeasureCommandOptions& options, const MeasureReport& report, const Input& main,
+                  const std::vector<const Mesh*>& originals) {
+  // The page shows the primitive with the most triangles.
+  std::size_t shown = 0;
+  for (std::size_t k = 1; k < report.primitives.size(); ++k) {
+    if (report.primitives[k].triangles > report.primitives[shown].triangles) shown = k;
+  }
+  const CleanPrimitive& primitive = main.primitives[shown];
+  if (!primitive.orders) {
+    throw Error(ErrorKind::nothing_to_do, main.path + ": no orders to report on: run pellucid order first");
+  }
+  const PictureMaker maker{&primitive, originals[shown], options.settings.alpha};
+  const std::vector<PictureRow> rows =
+      picture_rows(maker, report.primitives[shown].methods.front().quality, options.settings);
+  HtmlReportInput page;
+  page.title = main.label;
+  page.measured = &report;
+  page.primitive = shown;
+  page.orders = &*primitive.orders;
+  page.rows = rows;
+  page.command = command_line(options);
+  write_file_atomically(options.report, html_report(page));
+}
+
+// Keep only the primitive that --primitive names.
+void keep_primitive(Input& input, std::int64_t k) {
+  if (k < 0) return;
+  const auto index = static_cast<std::size_t>(k);
+  if (index >= input.primitives.size()) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--primitive {}: {} has {} to measure", k, input.path, input.primitives.size()));
+  }
+  input.names = {input.names[index]};
+  CleanPrimitive kept = std::move(input.primitives[index]);
+  input.primitives.clear();
+  input.primitives.push_back(std::move(kept));
+}
+
+void run_measure(MeasureCommandOptions options, Session& session) {
+  const auto start = std::chrono::steady_clock::now();
+  parse_distance_range(options.distances, options.settings);
+  options.settings.seed = session.options().seed;
+  options.settings.baselines = !options.no_baselines;
+  std::vector<Input> inputs = read_inputs(options);
+  std::optional<Input> original;
+  if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);
+  std::vector<const Mesh*> originals;
+  for (std::size_t k = 0; k < inputs.front().primitives.size(); ++k) {
+    const bool unordered = !inputs.front().primitives[k].orders;
+    if (original) {
+      originals.push_back(original_mesh(*original, inputs.front(), k));
+    } else {
+      originals.push_back(unordered ? &inputs.front().primitives[k].mesh : nullptr);
+    }
+  }
+  if (options.primitive >= 0) {
+    for (Input& input : inputs) keep_primitive(input, options.primitive);
+    const bool own = !original && originals[static_cast<std::size_t>(options.primitive)] != nullptr;
+    originals = {own ? &inputs.front().primitives.front().mesh
+                     : originals[static_cast<std::size_t>(options.primitive)]};
+  }
+  stop_if_signalled();
+
+  MeasureReport report;
+  report.inputs = options.inputs;
+  report.settings = options.settings;
+  report.overdraw_viewpoints = overdraw_viewpoints(options.settings);
+  const Input& main = inputs.front();
+  for (std::size_t k = 0; k < main.primitives.size(); ++k) {
+    std::vector<MeasureSubject> subjects;
+    for (const Input& input : inputs) {
+      const CleanPrimitive& primitive = input.primitives[k];
+      subjects.push_back({input.label, &primitive.mesh, primitive.orders ? &*primitive.orders : nullptr});
+    }
+    session.set_subject(main.primitives.size() == 1
+                            ? main.label
+                            : fmt::format("{}/{} {}", k + 1, main.primitives.size(), main.names[k]));
+    report.primitives.push_back(
+        measure_subjects(subjects, originals[k], main.names[k], options.settings, session.progress()));
+  }
+  session.set_subject("");
+  report.seconds_total = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!options.report.empty()) write_report(options, report, main, originals);
+  session.print(to_text(report));
+  session.write_json(to_json(report));
+}
+
+}  // namespace
+
+void add_measure_command(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<MeasureCommandOptions>();
+  MeasureCommandOptions& o = *options;
+  CLI::App* command =
+      add_command(app, chosen, "measure", "ACMR, ATVR, overdraw, IPR and PSNR against exact truth",
+                  "  pellucid measure bunny.glb --original bunny.ply\n"
+                  "  pellucid measure budget.glb acyclic.glb --views 200 --size 512 --json both.json\n"
+                  "  pellucid measure bunny.glb --original bunny.ply --simplify 10000 --report report.html",
+                  o.settings.seed, [options](Session& session) { run_measure(*options, session); });
+  command->add_option("FILE", o.inputs, "Files with orders; several: of the same model, side by side")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("--original", o.original, "The model before ordering: adds its triangle order as a rival")
+      ->type_name("MODEL");
+  command->add_option("--simplify", o.simplify, "Simplify --original as order --simplify did")
+      ->type_name("N");
+  command->add_option("--views", o.settings.viewpoints, "Random viewpoints")
+      ->check(CLI::Range(1U, 1000000U))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--size", o.settings.size, "Pixels per side")
+      ->check(CLI::Range(16U, 8192U))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--distances", o.distances, "Nearest and farthest viewpoint, in bounding radii")
+      ->type_name("MIN,MAX")
+      ->capture_default_str();
+  command->add_option("--cache", o.settings.cache_size, "Vertex cache of ACMR and ATVR (FIFO; ACMR also LRU)")
+      ->check(CLI::Range(3U, 1024U))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--alpha", o.settings.alpha, "Opacity of a face, for PSNR")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--primitive", o.primitive, "Only the N-th of the primitives that have orders (from 0)")
+      ->check(CLI::Range(0, 1 << 24))
+      ->type_name("N");
+  command->add_flag("--no-baselines", o.no_baselines, "Measure the order sets only");
+  command->add_option("--report", o.report, "Write one self-contained HTML page")->type_name("FILE");
+}
+
+}  // namespace pellucid::cli

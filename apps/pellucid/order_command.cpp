@@ -1,0 +1,456 @@
+// pellucid order: transparency orders for the static meshes of a model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "choice.h"
+#include "cleaned.h"
+#include "pellucid/report.h"
+#include "selection.h"
+#include "session.h"
+#include "terminal_progress.h"
+
+namespace pellucid::cli {
+namespace {
+
+// Held-out viewpoints, so that the recorded error is none that the method has trained on.
+constexpr std::uint64_t kValidationSeed = 0x5EEDED;
+constexpr std::uint32_t kValidationSize = 512;
+// Lists hold most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
+constexpr double kTypicalTwins = 1.6;
+
+enum class FacingChoice { automatic, single, duplicated };
+
+struct OrderCommandOptions {
+  std::string input, output;
+  OrderOptions order;
+  std::string views = "S2,2";
+  std::string distances;
+  double distance = 0;
+  bool perspective = false, orthographic = false;
+  std::uint32_t buffers = 0;
+  bool max_error_given = false;
+  FacingChoice facing = FacingChoice::automatic;
+  SelectionOptions selection;
+  CleanOptions clean;
+  std::uint32_t simplify = 0;
+  WriteOptions write;
+  bool no_bake_base = false;
+  std::uint32_t validate = 60;
+  bool dry_run = false;
+};
+
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// "1.5,3,inf". CLI11's own lists know no infinity.
+std::vector<double> parse_distances(const std::string& text) {
+  std::vector<double> distances;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string item = text.substr(begin, end - begin);
+    char* rest = nullptr;
+    const double value = item == "inf" ? kInfiniteDistance : std::strtod(item.c_str(), &rest);
+    if (item.empty() || (rest != nullptr && *rest != '\0') || !(value > 1)) {
+      throw Error(ErrorKind::bad_argument,
+                  fmt::format("--distances: '{}' is not a distance above 1 bounding radius (or inf)", item));
+    }
+    distances.push_back(value);
+    begin = end + 1;
+  }
+  return distances;
+}
+
+std::vector<double> sample_distances(const OrderCommandOptions& options) {
+  if (options.distance > 0) return {options.distance};
+  if (!options.distances.empty()) return parse_distances(options.distances);
+  if (options.orthographic) return {kInfiniteDistance};
+  std::vector<double> distances = default_distances();
+  if (options.perspective) std::erase_if(distances, [](double d) { return std::isinf(d); });
+  return distances;
+}
+
+void check_output(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension != ".glb" && extension != ".gltf") {
+    throw Error(ErrorKind::bad_argument, path + ": the output must end in .glb or .gltf");
+  }
+  // Known now, not after minutes of work.
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+    throw Error(ErrorKind::cannot_write, path + ": cannot write: there is no folder " + folder.string());
+  }
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw Error(ErrorKind::cannot_write, path + ": cannot write: it is a directory");
+  }
+}
+
+void check_options(const OrderCommandOptions& options) {
+  if (options.output.empty() && !options.dry_run) {
+    throw Error(ErrorKind::bad_argument, "no output file given: -o OUT.glb");
+  }
+  if (!options.output.empty()) check_output(options.output);
+  if (options.buffers > 0 && options.order.method == OrderMethod::acyclic) {
+    throw Error(ErrorKind::bad_argument,
+                "--buffers needs --method budget: acyclic finds its own number of buffers");
+  }
+  if (options.order.cache_size > 0 && options.order.cache_size < 3) {
+    throw Error(ErrorKind::bad_argument,
+                "--cache: a vertex cache holds at least 3 vertices (0: leave orders alone)");
+  }
+}
+
+Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice choice) {
+  if (choice == FacingChoice::single) return Facing::single;
+  if (choice == FacingChoice::duplicated) return Facing::duplicated;
+  return is_gltf(model) && !primitive.double_sided ? Facing::single : Facing::duplicated;
+}
+
+// Formats other than glTF are written anew: what cannot be drawn is left out for good, and the mesh may be
+// simplified.
+void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std::uint32_t target) {
+  primitive.mesh = compacted(clean(primitive.mesh, options.clean, primitive.name).mesh);
+  if (target > 0 && primitive.mesh.triangles.size() > target) {
+    primitive.mesh = simplify(primitive.mesh, target);
+    if (!primitive.mesh.triangles.empty()) primitive.mesh.normals = vertex_normals(primitive.mesh);
+  }
+}
+
+// `--simplify N` is the size of the whole model: every primitive gets its share.
+std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
+                                      const OrderCommandOptions& options) {
+  std::vector<MeshReport> reports;
+  std::uint64_t triangles = 0;
+  for (const std::uint32_t i : selection.primitives) {
+    reports.push_back(check(model.primitives[i].mesh));
+    triangles += model.primitives[i].mesh.triangles.size();
+  }
+  if (is_gltf(model)) {
+    if (options.simplify > 0) {
+      throw Error(ErrorKind::bad_argument,
+                  model.path + ": --simplify would lose a glTF's texture coordinates: simplify it before");
+    }
+    return reports;
+  }
+  for (const std::uint32_t i : selection.primitives) {
+    const double share =
+        static_cast<double>(model.primitives[i].mesh.triangles.size()) / static_cast<double>(triangles);
+    const double target = options.simplify == 0 ? 0 : std::max(1.0, std::round(share * options.simplify));
+    prepare_mesh(model.primitives[i], options, static_cast<std::uint32_t>(target));
+  }
+  return reports;
+}
+
+OrderErrorRecord validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints,
+                                 Session& session) {
+  MeasureOptions measure;
+  measure.viewpoints = viewpoints;
+  measure.size = kValidationSize;
+  measure.seed = kValidationSeed ^ session.options().seed;
+  measure.facing = orders.facing;
+  // The paper's range of 2 to 5 radii, as far as the orders were made for it.
+  measure.min_distance = std::max(2.0, orders.valid_from);
+  measure.max_distance = std::max(measure.min_distance, std::min(5.0, orders.valid_to));
+  measure.progress = session.progress();
+  const DrawingMethod method{"orders",
+                             [&](const Viewpoint& viewpoint) { return ranks_from(mesh, orders, viewpoint); }};
+  const MethodQuality quality = measure_order_quality(mesh, std::span(&method, 1), measure).front();
+  OrderErrorRecord record;
+  record.viewpoints = viewpoints;
+  record.size = measure.size;
+  record.ipr_mean = quality.ipr_mean;
+  record.ipr_max = quality.ipr_max;
+  record.psnr_mean = quality.psnr_mean;
+  for (const DistanceError& bin : quality.by_distance) record.by_distance.push_back({bin.distance, bin.ipr});
+  return record;
+}
+
+struct OrderedOne {
+  OrderedPrimitive ordered;
+  PrimitiveOrderReport report;
+};
+
+OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommandOptions& options,
+                     Session& session, double& seconds_validate) {
+  const Primitive& primitive = model.primitives[index];
+  const CleanMesh clean_mesh = clean(primitive.mesh, options.clean, model.path + ": " + primitive.name);
+  const Mesh& mesh = clean_mesh.mesh;
+  if (mesh.triangles.empty()) {
+    throw Error(ErrorKind::nothing_to_do,
+                fmt::format("{}: {}: no triangle is left after cleaning", model.path, primitive.name));
+  }
+  OrderOptions order = options.order;
+  order.facing = facing_of(model, primitive, options.facing);
+  order.progress = session.progress();
+  OrderResult result = order_mesh(mesh, order);
+
+  OrderedOne one;
+  one.ordered.primitive = index;
+  if (options.validate > 0) {
+    const Stopwatch watch;
+    one.ordered.error = validate_orders(mesh, result.orders, options.validate, session);
+    seconds_validate += watch.seconds();
+  }
+  PrimitiveOrderReport& report = one.report;
+  const std::uint32_t cache = order.cache_size > 0 ? order.cache_size : OrderOptions{}.cache_size;
+  NodeSequence stored(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < stored.size(); ++t) stored[t] = node_of(t, false);
+  report.name = primitive.name;
+  report.primitive = index;
+  report.triangles = mesh.triangles.size();
+  report.vertices = mesh.positions.size();
+  report.check = clean_mesh.report;
+  report.acmr_before = sequence_statistics(mesh, stored, CacheModel::fifo, cache).acmr;
+  report.buffers = buffer_statistics(mesh, result.orders, CacheModel::fifo, cache);
+  report.memory_bytes = index_bytes(result.orders, mesh);
+  report.statistics = result.statistics;
+  report.error = one.ordered.error;
+  one.ordered.orders = lift_orders(std::move(result.orders), clean_mesh.source);
+  return one;
+}
+
+void print_plan(const Model& model, const Selection& selection, const OrderCommandOptions& options,
+                Session& session) {
+  TextTable table({"primitive", "material", "triangles", "facing", "one buffer", "at most"});
+  const std::uint64_t most = options.order.method == OrderMethod::budget ? options.order.max_buffers : 0;
+  for (const std::uint32_t i : selection.primitives) {
+    const Primitive& primitive = model.primitives[i];
+    const Facing facing = facing_of(model, primitive, options.facing);
+    const double list = static_cast<double>(primitive.mesh.triangles.size()) *
+                        (facing == Facing::duplicated ? kTypicalTwins : 1.0);
+    const std::uint64_t bytes =
+        static_cast<std::uint64_t>(list) * 3 * (primitive.mesh.positions.size() < 65535 ? 2 : 4);
+    table.add_row({primitive.name, primitive.material_name.empty() ? "(none)" : primitive.material_name,
+                   format_count(primitive.mesh.triangles.size()),
+                   facing == Facing::single ? "single" : "duplicated", format_bytes(bytes),
+                   most == 0 ? "-" : format_bytes(most * bytes)});
+  }
+  session.print(table.to_string());
+  session.print("dry run: nothing was written; sizes are estimates\n");
+}
+
+// The error that --max-error is held against: what the method measured itself, else the validation.
+double reached_error(const PrimitiveOrderReport& report) {
+  if (report.statistics.measured_error >= 0) return report.statistics.measured_error;
+  return report.error ? report.error->ipr_mean : 0;
+}
+
+void check_quality(const OrderReport& report, const OrderCommandOptions& options) {
+  if (!options.max_error_given) return;
+  for (const PrimitiveOrderReport& primitive : report.primitives) {
+    const double error = reached_error(primitive);
+    if (error <= options.order.max_error) continue;
+    throw Error(
+        ErrorKind::quality_missed,
+        fmt::format("{}: {}: wrong pixels {} with {} buffers, asked for {} (more --max-buffers may help); {} "
+                    "was written all the same",
+                    report.input, primitive.name, format_percent(error), primitive.buffers.size(),
+                    format_percent(options.order.max_error), report.output));
+  }
+}
+
+OrderReport new_report(const OrderCommandOptions& options) {
+  OrderReport report;
+  report.input = options.input;
+  report.output = options.output;
+  report.method = options.order.method == OrderMethod::budget ? "budget" : "acyclic";
+  report.views = to_string(options.order.partition);
+  report.seed = options.order.seed;
+  report.cache_size = options.order.cache_size;
+  report.distances = options.order.distances;
+  return report;
+}
+
+void run_order(OrderCommandOptions options, Session& session) {
+  const Stopwatch total;
+  check_options(options);
+  options.order.partition = parse_partition(options.views);
+  options.order.distances = sample_distances(options);
+  options.order.seed = session.options().seed;
+  options.write.bake_base = !options.no_bake_base;
+  if (options.buffers > 0) options.order.min_buffers = options.order.max_buffers = options.buffers;
+
+  OrderReport report = new_report(options);
+  Model model = read_model(options.input);
+  stop_if_signalled();
+  const Selection selection = select_primitives(model, options.selection);
+  report.notes = selection.notes;
+  for (const std::string& note : model.notes) session.detail(model.path + ": " + note);
+  for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
+  if (options.dry_run) {
+    print_plan(model, selection, options, session);
+    return;
+  }
+  const std::vector<MeshReport> checks = prepare_model(model, selection, options);
+  report.seconds_read = total.seconds();
+
+  std::vector<OrderedPrimitive> ordered;
+  for (std::size_t k = 0; k < selection.primitives.size(); ++k) {
+    const std::string& name = model.primitives[selection.primitives[k]].name;
+    session.set_subject(selection.primitives.size() == 1
+                            ? name
+                            : fmt::format("{}/{} {}", k + 1, selection.primitives.size(), name));
+    OrderedOne one = order_one(model, selection.primitives[k], options, session, report.seconds_validate);
+    one.report.check = checks[k];
+    ordered.push_back(std::move(one.ordered));
+    report.primitives.push_back(std::move(one.report));
+    stop_if_signalled();
+  }
+  session.set_subject("");
+
+  const Stopwatch writing;
+  const WriteReport written = write_model(model, ordered, options.output, options.write);
+  report.seconds_write = writing.seconds();
+  report.disk_bytes = written.order_bytes;
+  report.file_bytes = written.file_bytes;
+  report.files = written.files;
+  report.seconds_total = total.seconds();
+  report.peak_rss_bytes = peak_rss_bytes();
+  session.print(to_text(report));
+  session.write_json(to_json(report));
+  check_quality(report, options);
+}
+
+void add_order_options(CLI::App& command, OrderCommandOptions& o) {
+  OrderOptions& order = o.order;
+  add_choice(command, "--method", order.method,
+             {{"budget", OrderMethod::budget}, {"acyclic", OrderMethod::acyclic}},
+             "budget: fewest buffers within --max-error (default); acyclic: the paper's")
+      ->group("Method");
+  command.add_option("--views", o.views, "View cells: S2,2 or P3, ...")
+      ->capture_default_str()
+      ->group("Method");
+  auto* max_error = command
+                        .add_option("--max-error", order.max_error,
+                                    "Share of wrong pixels to reach; when given and missed: exit 5")
+                        ->check(CLI::Range(0.0, 1.0))
+                        ->capture_default_str()
+                        ->group("Method");
+  command.parse_complete_callback([&o, max_error] { o.max_error_given = max_error->count() > 0; });
+  auto* max_buffers = command.add_option("--max-buffers", order.max_buffers, "Never more buffers than this")
+                          ->check(CLI::Range(1U, 65535U))
+                          ->capture_default_str()
+                          ->group("Method");
+  command.add_option("--buffers", o.buffers, "Exactly this many buffers (budget)")
+      ->check(CLI::Range(1U, 65535U))
+      ->excludes(max_buffers)
+      ->group("Method");
+  add_choice(command, "--priority", order.priority,
+             {{"union", MergePriority::union_size},
+              {"intersection", MergePriority::intersection},
+              {"difference", MergePriority::difference}},
+             "Which clusters merge first (acyclic; default union)")
+      ->group("Method");
+  command
+      .add_option("--relax", order.fruitless_rounds, "Relaxation stops after N fruitless rounds (acyclic)")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Method");
+  command.add_option("--tolerance", order.tolerance, "Ignore overlaps thinner than this, in bounding radii")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group("Method");
+
+  auto* distances =
+      command
+          .add_option("--distances", o.distances, "Camera distances to sample, in bounding radii: 1.5,3,inf")
+          ->group("Cameras");
+  auto* distance = command.add_option("--distance", o.distance, "One fixed camera distance")
+                       ->check(CLI::Range(1.001, 1e6))
+                       ->excludes(distances)
+                       ->group("Cameras");
+  auto* perspective = command.add_flag("--perspective", o.perspective, "Perspective cameras only")
+                          ->excludes(distances)
+                          ->group("Cameras");
+  command.add_flag("--orthographic", o.orthographic, "Orthographic cameras only")
+      ->excludes(distances)
+      ->excludes(distance)
+      ->excludes(perspective)
+      ->group("Cameras");
+  add_choice(command, "--occlusion", order.occlusion,
+             {{"exact", OcclusionSource::exact}, {"raster", OcclusionSource::raster}},
+             "Where occlusion comes from (default exact)")
+      ->group("Cameras");
+  command.add_option("--raster-size", order.raster_size, "Pixels per side of --occlusion raster")
+      ->check(CLI::Range(16U, 8192U))
+      ->capture_default_str()
+      ->group("Cameras");
+}
+
+void add_file_options(CLI::App& command, OrderCommandOptions& o) {
+  add_choice(command, "--facing", o.facing,
+             {{"auto", FacingChoice::automatic},
+              {"single", FacingChoice::single},
+              {"duplicated", FacingChoice::duplicated}},
+             "Faces that are drawn (default auto: the material's doubleSided)")
+      ->group("Meshes");
+  command.add_flag("--all", o.selection.all, "Also primitives of a glTF that are not BLEND")->group("Meshes");
+  command.add_option("--material", o.selection.material, "Only primitives with this material")
+      ->type_name("NAME")
+      ->group("Meshes");
+  command.add_option("--simplify", o.simplify, "Simplify to N triangles first (not glTF)")
+      ->type_name("N")
+      ->check(CLI::Range(1U, 1U << 28U))
+      ->group("Meshes");
+  command
+      .add_flag("--strict", o.clean.strict, "Refuse degenerate and broken triangles, do not leave them out")
+      ->group("Meshes");
+  add_choice(command, "--duplicates", o.clean.duplicates,
+             {{"keep", DuplicatePolicy::keep}, {"drop", DuplicatePolicy::drop}},
+             "Triangles that are there twice (default keep)")
+      ->group("Meshes");
+
+  command.add_option("--cache", o.order.cache_size, "FIFO vertex cache to optimise for; 0: not at all")
+      ->check(CLI::Range(0U, 1024U))
+      ->capture_default_str()
+      ->group("Output");
+  add_choice(
+      command, "--direction", o.write.direction,
+      {{"front-to-back", SortDirection::front_to_back}, {"back-to-front", SortDirection::back_to_front}},
+      "Stored direction (default front-to-back)")
+      ->group("Output");
+  add_choice(command, "--encoding", o.write.encoding,
+             {{"indices", OrderEncoding::indices},
+              {"patches", OrderEncoding::patches},
+              {"meshopt", OrderEncoding::meshopt}},
+             "How orders are stored (default indices)")
+      ->group("Output");
+  command.add_flag("--split-buffer", o.write.split_buffer, "Orders go to a file of their own beside OUT")
+      ->group("Output");
+  command.add_flag("--no-bake-base", o.no_bake_base, "Leave the file's own index buffer as it is")
+      ->group("Output");
+  command.add_option("--validate", o.validate, "Measure the error from N held-out viewpoints (0: do not)")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Output");
+  command.add_flag("-n,--dry-run", o.dry_run, "Print what would be ordered, write nothing")->group("Output");
+}
+
+}  // namespace
+
+void add_order_command(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<OrderCommandOptions>();
+  CLI::App* command =
+      add_command(app, chosen, "order", "Transparency orders for static meshes: in-depth buffers",
+                  "  pellucid order bunny.ply -o bunny.glb --simplify 10000\n"
+                  "  pellucid order glass.glb -o out.glb --max-error 0.001 --max-buffers 12\n"
+                  "  pellucid order glass.glb -o out.gltf --method acyclic --views S2,2 --json stats.json\n"
+                  "  pellucid order car.glb -o out.glb --material Windows --split-buffer --encoding meshopt",
+                  1, [options](Session& session) { run_order(*options, session); });
+  command->add_option("MODEL", options->input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
+  command->add_option("-o,--output", options->output, "The file to write: .glb or .gltf")->type_name("FILE");
+  add_order_options(*command, *options);
+  add_file_options(*command, *options);
+}
+
+}  // namespace pellucid::cli

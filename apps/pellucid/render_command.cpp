@@ -1,0 +1,149 @@
+// pellucid render: one picture of a file, drawn exactly or as one of its orders draws it.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "choice.h"
+#include "pellucid/metric.h"
+#include "pellucid/report.h"
+#include "scene.h"
+#include "session.h"
+#include "terminal_progress.h"
+
+namespace pellucid::cli {
+namespace {
+
+enum class Picture { exact, buffers, original, centroid, error };
+
+struct RenderOptions {
+  std::string input, output;
+  std::string technique = "cpu";
+  Picture picture = Picture::exact;
+  std::string picture_name = "exact";
+  std::string camera = "30,20,3";
+  std::string size = "1280x720";
+  ShadingOptions shading;
+};
+
+struct Size {
+  std::uint32_t width = 0, height = 0;
+};
+
+Size parse_size(const std::string& text) {
+  Size size;
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%ux%u%n", &size.width, &size.height, &used) != 2 ||
+      static_cast<std::size_t>(used) != text.size() || size.width == 0 || size.height == 0 ||
+      size.width > 16384 || size.height > 16384) {
+    throw Error(ErrorKind::bad_argument, "--size: '" + text + "' is not WIDTHxHEIGHT of 1..16384 pixels");
+  }
+  return size;
+}
+
+DrawOrder draw_order(Picture picture) {
+  if (picture == Picture::original) return DrawOrder::original;
+  return picture == Picture::centroid ? DrawOrder::centroid : DrawOrder::buffers;
+}
+
+void require_orders(const Scene& scene, const std::string& path) {
+  for (const CleanPrimitive& primitive : scene.primitives) {
+    if (primitive.orders) return;
+  }
+  throw Error(ErrorKind::nothing_to_do, path + ": there are no orders in it: run pellucid order first");
+}
+
+void run_render(const RenderOptions& options, Session& session) {
+  if (options.technique != "cpu") {
+    throw Error(ErrorKind::bad_argument,
+                "--technique: '" + options.technique + "' is not there (see pellucid techniques)");
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const Size size = parse_size(options.size);
+  const Viewpoint viewpoint = parse_camera(options.camera);
+  const Scene scene = make_scene(read_model(options.input));
+  if (options.picture == Picture::buffers || options.picture == Picture::error) {
+    require_orders(scene, options.input);
+  }
+  stop_if_signalled();
+  const Camera camera = look_at_sphere(scene.sphere, viewpoint, size.width, size.height);
+  const FragmentBuffer fragments = scene_fragments(scene, camera);
+  stop_if_signalled();
+
+  const std::uint64_t covered = fragments.covered_pixels();
+  PixelCount wrong{covered, 0};
+  Image image;
+  if (options.picture == Picture::exact) {
+    image = shade_exact(scene.mesh, camera, fragments, options.shading);
+  } else {
+    const std::vector<std::uint32_t> ranks =
+        scene_ranks(scene, draw_order(options.picture), camera, viewpoint);
+    wrong = count_incorrect_pixels(fragments, ranks);
+    image = options.picture == Picture::error
+                ? error_image(fragments, ranks)
+                : shade_ordered(scene.mesh, camera, fragments, ranks, options.shading);
+  }
+  write_png(image, options.output);
+
+  const double ipr = covered == 0 ? 0 : static_cast<double>(wrong.incorrect) / static_cast<double>(covered);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  session.print(fmt::format("{}: {}x{}, {}: {} fragments on {} pixels, wrong {}\n", options.output,
+                            size.width, size.height, options.picture_name,
+                            format_count(fragments.fragments.size()), format_count(covered),
+                            format_percent(ipr)));
+  const nlohmann::ordered_json json = {{"schema", 1},
+                                       {"version", library_version()},
+                                       {"input", options.input},
+                                       {"output", options.output},
+                                       {"technique", options.technique},
+                                       {"order", options.picture_name},
+                                       {"width", size.width},
+                                       {"height", size.height},
+                                       {"triangles", scene.mesh.triangles.size()},
+                                       {"fragments", fragments.fragments.size()},
+                                       {"covered_pixels", covered},
+                                       {"incorrect_pixels", wrong.incorrect},
+                                       {"ipr", ipr},
+                                       {"seconds", {{"total", seconds}}},
+                                       {"peak_rss_bytes", peak_rss_bytes()}};
+  session.write_json(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* command =
+      add_command(app, chosen, "render", "One picture of a file, its faces translucent",
+                  "  pellucid render goblet.glb -o exact.png\n"
+                  "  pellucid render ordered.glb -o buffers.png --order buffers --camera 120,-10,2.5\n"
+                  "  pellucid render ordered.glb -o wrong.png --order error --size 1024x1024\n"
+                  "  pellucid render bunny.ply -o depth.png --order original --shading depth",
+                  1, [options](Session& session) { run_render(*options, session); });
+  RenderOptions& o = *options;
+  command->add_option("FILE", o.input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
+  command->add_option("-o,--output", o.output, "The PNG to write")->required()->type_name("FILE");
+  command->add_option("--technique", o.technique, "How fragments are gathered (see pellucid techniques)")
+      ->type_name("NAME")
+      ->capture_default_str();
+  add_choice(*command, "--order", o.picture,
+             {{"exact", Picture::exact},
+              {"buffers", Picture::buffers},
+              {"original", Picture::original},
+              {"centroid", Picture::centroid},
+              {"error", Picture::error}},
+             "How fragments are blended (default exact); error: wrong pixels of the buffers in red")
+      ->each([&o](const std::string& name) { o.picture_name = name; });
+  command
+      ->add_option("--camera", o.camera, "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf)")
+      ->type_name("")
+      ->capture_default_str();
+  command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
+  add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},
+             "lit: lighting of a translucent surface (default); depth: depth as colour");
+  command->add_option("--alpha", o.shading.alpha, "Opacity of a face")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+}  // namespace pellucid::cli

@@ -1,0 +1,29 @@
+// Which primitives of a model `order` works on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pellucid/asset.h"
+
+namespace pellucid::cli {
+
+struct SelectionOptions {
+  bool all = false;      // also OPAQUE and MASK primitives of a glTF
+  std::string material;  // only primitives with this material; empty: any
+};
+
+struct Selection {
+  std::vector<std::uint32_t> primitives;  // indices into Model::primitives
+  std::vector<std::string> notes;         // what was left out, and why
+};
+
+// Throws Error{nothing_to_do} when nothing is left, Error{bad_argument} for a material that the file has not.
+Selection select_primitives(const Model& model, const SelectionOptions& options);
+
+inline bool is_gltf(const Model& model) {
+  return model.format == "gltf" || model.format == "glb";
+}
+
+}  // namespace pellucid::cli

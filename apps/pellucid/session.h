@@ -1,0 +1,69 @@
+// What the subcommands share: common options, results on stdout, notes on stderr, progress, and how to stop.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "pellucid/base.h"
+
+namespace pellucid::cli {
+
+struct CommonOptions {
+  std::string json;  // file for the machine-readable statistics; "-": stdout, instead of the table
+  unsigned threads = 0;
+  std::uint64_t seed = 1;
+  bool quiet = false;
+  bool verbose = false;
+};
+
+// One run of one subcommand.
+class Session {
+ public:
+  explicit Session(CommonOptions options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  [[nodiscard]] const CommonOptions& options() const { return options_; }
+  // Never null. Prints a bar when stderr is a terminal, and knows when the user pressed Ctrl-C.
+  [[nodiscard]] Progress* progress() const { return progress_.get(); }
+  // Progress reports "2/5 name: graph" from now on; empty: the plain stage.
+  void set_subject(const std::string& subject);
+
+  // Results, unless the JSON goes to stdout.
+  void print(const std::string& text) const;
+  // Things that the user should know, one line each; not with --quiet.
+  void note(const std::string& line) const;
+  void detail(const std::string& line) const;  // only with --verbose
+  // Writes what --json asked for.
+  void write_json(const std::string& json) const;
+
+ private:
+  CommonOptions options_;
+  std::unique_ptr<Progress> progress_;
+};
+
+// A subcommand's work, run after parsing; what it throws becomes a message and an exit code.
+using Work = std::function<void(Session&)>;
+
+// Receives the work of the subcommand that the user chose.
+struct Chosen {
+  CommonOptions options;
+  Work work;
+};
+
+// Adds `name` with the common options. `examples`: one command line each, shown below the help.
+CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& description,
+                      const std::string& examples, std::uint64_t default_seed, Work work);
+
+void add_order_command(CLI::App& app, Chosen& chosen);
+void add_measure_command(CLI::App& app, Chosen& chosen);
+void add_inspect_command(CLI::App& app, Chosen& chosen);
+void add_render_command(CLI::App& app, Chosen& chosen);
+void add_sample_command(CLI::App& app, Chosen& chosen);
+void add_techniques_command(CLI::App& app, Chosen& chosen);
+
+}  // namespace pellucid::cli

@@ -1,0 +1,104 @@
+// The progress line and the stop flag: see terminal_progress.h.
+#include "terminal_progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+namespace pellucid::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kRedrawEvery{100};
+constexpr int kBarCells = 24;
+
+std::atomic<bool> stop_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+void raise_stop_flag(int /*signal*/) {
+  stop_flag = true;
+}
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::max(0.0, seconds) + 0.5);
+  return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+TerminalProgress::TerminalProgress(bool wanted) : visible_(wanted && ::isatty(STDERR_FILENO) == 1) {}
+
+TerminalProgress::~TerminalProgress() {
+  clear();
+}
+
+void TerminalProgress::begin(std::string_view name, std::uint64_t total) {
+  if (!visible_) return;
+  const std::lock_guard lock(mutex_);
+  stage_ = name;
+  started_ = Clock::now();
+  total_ = total;
+  done_ = 0;
+  draw(started_);
+}
+
+void TerminalProgress::advance(std::uint64_t amount) {
+  if (!visible_) return;
+  done_ += amount;
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return;  // another thread is drawing
+  const Clock::time_point now = Clock::now();
+  if (now - drawn_ >= kRedrawEvery) draw(now);
+}
+
+bool TerminalProgress::stop_requested() const {
+  return stop_flag;
+}
+
+void TerminalProgress::set_subject(const std::string& subject) {
+  const std::lock_guard lock(mutex_);
+  subject_ = subject.empty() ? "" : subject + ": ";
+}
+
+void TerminalProgress::clear() {
+  const std::lock_guard lock(mutex_);
+  if (on_screen_) std::fputs("\r\033[K", stderr);
+  on_screen_ = false;
+}
+
+void TerminalProgress::draw(Clock::time_point now) {
+  drawn_ = now;
+  on_screen_ = true;
+  const double seconds = std::chrono::duration<double>(now - started_).count();
+  std::string line = "\r\033[K" + subject_ + stage_;
+  if (total_ > 0) {
+    const double share = std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
+    const auto filled = static_cast<std::size_t>(share * kBarCells);
+    line += fmt::format("  [{}{}] {:3.0f} %", std::string(filled, '='), std::string(kBarCells - filled, ' '),
+                        100 * share);
+    if (seconds > 0.5 && share > 0) {
+      line += fmt::format("  {:.0f}/s, {} left", static_cast<double>(done_) / seconds,
+                          clock_text(seconds / share - seconds));
+    }
+  } else if (seconds > 0.5) {
+    line += "  " + clock_text(seconds);
+  }
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void install_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = raise_stop_flag;
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
+void stop_if_signalled() {
+  if (stop_flag) throw Error(ErrorKind::interrupted, "interrupted");
+}
+
+}  // namespace pellucid::cli

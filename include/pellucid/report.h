@@ -1,0 +1,192 @@
+// pellucid/report.h - room `report`: what was done and how good it is, as a table, JSON and one HTML page.
+//
+// In: order sets and what the rooms `order` and `metric` say of them. Out: text. Nothing here draws or
+// orders; the numbers come in, or are gathered by measure_subjects(). The keys of the JSON are a contract
+// (docs/json.md).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pellucid/asset.h"
+#include "pellucid/base.h"
+#include "pellucid/mesh.h"
+#include "pellucid/metric.h"
+#include "pellucid/order.h"
+
+namespace pellucid {
+
+// "0.1.0": written into every report.
+std::string_view library_version();
+
+// ---------------------------------------------------------------------------------------------- plain text
+
+std::string format_count(std::uint64_t count);       // 12,345
+std::string format_bytes(std::uint64_t bytes);       // 12.3 KB (1 KB = 1000 bytes)
+std::string format_seconds(double seconds);          // 0.042 s, 12.3 s, 4 min 05 s
+std::string format_fixed(double value, int digits);  // "-" where the value is not finite
+std::string format_percent(double ratio);            // 0.0123 -> 1.23 %
+
+// Columns aligned by their widest cell: the first to the left, the others to the right.
+class TextTable {
+ public:
+  explicit TextTable(std::vector<std::string> header);
+  // As many cells as the header has.
+  void add_row(std::vector<std::string> cells);
+  [[nodiscard]] std::string to_string() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+// ------------------------------------------------------------------------------------------ pellucid order
+
+// How one index buffer uses a vertex cache.
+struct BufferStatistics {
+  std::uint64_t triangles = 0;  // in the list, facing twins counted
+  std::uint64_t misses = 0;
+  double acmr = 0;        // misses per triangle of the list
+  double acmr_drawn = 0;  // misses per distinct triangle: the twin that faces away is culled, yet transformed
+};
+BufferStatistics sequence_statistics(const Mesh& mesh, std::span<const NodeId> sequence, CacheModel model,
+                                     std::uint32_t cache_size);
+std::vector<BufferStatistics> buffer_statistics(const Mesh& mesh, const OrderSet& orders, CacheModel model,
+                                                std::uint32_t cache_size);
+// All buffers as one: ratios over the sums.
+BufferStatistics pooled(std::span<const BufferStatistics> buffers);
+
+struct PrimitiveOrderReport {
+  std::string name;
+  std::uint32_t primitive = 0;
+  std::uint64_t triangles = 0;  // ordered
+  std::uint64_t vertices = 0;
+  MeshReport check;        // of the input; what is degenerate or not finite was dropped
+  double acmr_before = 0;  // of the input's own order
+  std::vector<BufferStatistics> buffers;
+  std::uint64_t memory_bytes = 0;  // index data when drawn
+  OrderStatistics statistics;
+  std::optional<OrderErrorRecord> error;  // held-out viewpoints, when validated
+};
+
+struct OrderReport {
+  std::string input, output;
+  std::string method, views;
+  std::uint64_t seed = 0;
+  std::uint32_t cache_size = 0;
+  std::vector<double> distances;
+  std::vector<PrimitiveOrderReport> primitives;
+  std::uint64_t disk_bytes = 0;  // of the orders, as stored
+  std::uint64_t file_bytes = 0;  // of all files written
+  std::vector<std::string> files;
+  std::vector<std::string> notes;
+  double seconds_read = 0, seconds_validate = 0, seconds_write = 0, seconds_total = 0;
+  std::uint64_t peak_rss_bytes = 0;
+};
+std::string to_text(const OrderReport& report);
+std::string to_json(const OrderReport& report);
+
+// ---------------------------------------------------------------------------------------- pellucid measure
+
+// A mesh as one file draws it. `orders` null: the file's own triangle order is all there is.
+struct MeasureSubject {
+  std::string label;
+  const Mesh* mesh = nullptr;        // clean
+  const OrderSet* orders = nullptr;  // nodes refer to `mesh`
+};
+
+struct MeasureSettings {
+  std::uint32_t viewpoints = 900;
+  double min_distance = 2, max_distance = 5;
+  std::uint32_t size = 1024;
+  std::uint64_t seed = 20180501;
+  std::uint32_t cache_size = 20;
+  double alpha = 0.5;
+  bool baselines = true;
+};
+
+enum class MethodKind { orders, baseline };
+
+struct MethodReport {
+  MethodKind kind = MethodKind::orders;
+  std::uint32_t buffers = 1;
+  std::uint64_t memory_bytes = 0;  // index data when drawn
+  BufferStatistics fifo;           // all buffers pooled
+  double acmr_lru = 0;
+  double atvr = 0;
+  double overdraw = 0;
+  MethodQuality quality;  // carries the name
+};
+
+struct PrimitiveMeasureReport {
+  std::string name;
+  std::uint64_t triangles = 0, vertices = 0;
+  std::vector<MethodReport> methods;  // the order sets first, then the baselines
+};
+
+struct MeasureReport {
+  std::vector<std::string> inputs;
+  MeasureSettings settings;
+  std::uint32_t overdraw_viewpoints = 0;
+  std::vector<PrimitiveMeasureReport> primitives;
+  double seconds_total = 0;
+};
+
+// Measure every subject that has orders, and beside them the rivals of the first subject's mesh: `original`
+// (the triangle order of `original`, drawn as viewers draw it: later triangles over earlier ones; null: left
+// out), `base` (the best single order of the set), `cache_optimized` (meshoptimizer's unconstrained vertex
+// cache order) and `centroid_sort` (sorted for every frame, its time counted). The first subject decides the
+// facing.
+PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects, const Mesh* original,
+                                        const std::string& name, const MeasureSettings& settings,
+                                        Progress* progress);
+// Viewpoints that overdraw is counted on: the first of those that quality is measured on.
+std::uint32_t overdraw_viewpoints(const MeasureSettings& settings);
+
+std::string to_text(const MeasureReport& report);
+std::string to_json(const MeasureReport& report);
+
+// Ranks of all nodes when the order set is drawn from a viewpoint: its order, or the base order inside
+// valid_from.
+std::vector<std::uint32_t> ranks_from(const Mesh& mesh, const OrderSet& orders, const Viewpoint& viewpoint);
+// Ranks of both facings when whole triangles are drawn front to back in this sequence.
+std::vector<std::uint32_t> ranks_of_triangles(std::span<const std::uint32_t> sequence,
+                                              std::uint64_t triangle_count);
+// The triangle order of the file as viewers blend it: the last triangle is the nearest.
+std::vector<std::uint32_t> ranks_as_stored(std::uint64_t triangle_count);
+// Baseline: triangles in meshoptimizer's vertex cache order, which knows nothing of depth.
+std::vector<std::uint32_t> cache_optimized_sequence(const Mesh& mesh);
+
+// ------------------------------------------------------------------------------------------------ the page
+
+struct ReportPicture {
+  std::string caption;
+  std::vector<std::uint8_t> png;
+};
+struct PictureRow {
+  std::string title;
+  std::vector<ReportPicture> pictures;
+};
+struct HtmlReportInput {
+  std::string title;  // any text; escaped
+  const MeasureReport* measured = nullptr;
+  std::size_t primitive = 0;         // the one that the pictures show
+  const OrderSet* orders = nullptr;  // of its first method
+  std::span<const PictureRow> rows;
+  std::string command;  // how to make this page again
+};
+// One self-contained page: no script, no network, pictures as data URIs, plots as inline SVG.
+std::string html_report(const HtmlReportInput& input);
+
+// Text made safe for HTML content and double-quoted attributes.
+std::string escape_html(std::string_view text);
+
+// ---------------------------------------------------------------------------------------- pellucid inspect
+
+std::string inspect_text(const Model& model);
+std::string inspect_json(const Model& model);
+
+}  // namespace pellucid

@@ -1,0 +1,291 @@
+// Order sets and their rivals as ways of drawing a mesh, measured side by side: see pellucid/report.h.
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numeric>
+
+#include "pellucid/report.h"
+
+namespace pellucid {
+namespace {
+
+// Enough directions for a mean over the sphere; overdraw hardly varies with more.
+constexpr std::uint32_t kMostOverdrawViewpoints = 100;
+// A sorted order is a new one in each frame: its cache use is averaged over this many.
+constexpr std::size_t kSortedSequences = 16;
+
+NodeSequence front_nodes(std::span<const std::uint32_t> triangles) {
+  NodeSequence nodes(triangles.size());
+  std::transform(triangles.begin(), triangles.end(), nodes.begin(),
+                 [](std::uint32_t triangle) { return node_of(triangle, false); });
+  return nodes;
+}
+
+std::vector<std::uint32_t> stored_sequence(std::uint64_t triangle_count) {
+  std::vector<std::uint32_t> sequence(triangle_count);
+  std::iota(sequence.begin(), sequence.end(), 0U);
+  return sequence;
+}
+
+std::uint64_t used_vertices(std::span<const std::uint32_t> indices) {
+  std::vector<std::uint32_t> sorted(indices.begin(), indices.end());
+  std::sort(sorted.begin(), sorted.end());
+  return static_cast<std::uint64_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
+}
+
+std::uint64_t bytes_of_indices(const Mesh& mesh, std::uint64_t triangles) {
+  // 65535 is the restart value of 16-bit indices.
+  return triangles * 3 * (mesh.positions.size() < 65535 ? 2 : 4);
+}
+
+// What all ways of drawing have in common: the sequences that they may draw.
+MethodReport cache_report(const Mesh& mesh, std::span<const NodeSequence> sequences, MethodKind kind,
+                          std::uint32_t cache_size) {
+  MethodReport report;
+  report.kind = kind;
+  report.buffers = static_cast<std::uint32_t>(sequences.size());
+  std::vector<BufferStatistics> fifo;
+  std::vector<BufferStatistics> lru;
+  std::uint64_t vertices = 0;
+  for (const NodeSequence& sequence : sequences) {
+    fifo.push_back(sequence_statistics(mesh, sequence, CacheModel::fifo, cache_size));
+    lru.push_back(sequence_statistics(mesh, sequence, CacheModel::lru, cache_size));
+    vertices += used_vertices(index_buffer(mesh, sequence));
+  }
+  report.fifo = pooled(fifo);
+  report.acmr_lru = pooled(lru).acmr;
+  report.atvr = vertices == 0 ? 0 : static_cast<double>(report.fifo.misses) / static_cast<double>(vertices);
+  report.memory_bytes = bytes_of_indices(mesh, report.fifo.triangles);
+  return report;
+}
+
+// One measured thing: how it is drawn, and the mesh that it refers to.
+struct Contender {
+  MethodReport report;
+  DrawingMethod method;
+  std::function<std::span<const NodeId>(const Viewpoint&)> sequence;  // for overdraw; empty: not counted
+};
+
+Contender single_sequence(const Mesh& mesh, const std::string& name, std::vector<std::uint32_t> triangles,
+                          std::uint32_t cache_size) {
+  auto ranks = std::make_shared<const std::vector<std::uint32_t>>(
+      ranks_of_triangles(triangles, mesh.triangles.size()));
+  auto nodes = std::make_shared<const NodeSequence>(front_nodes(triangles));
+  Contender contender;
+  contender.report = cache_report(mesh, std::span(nodes.get(), 1), MethodKind::baseline, cache_size);
+  contender.method = {name, [ranks](const Viewpoint&) { return *ranks; }};
+  contender.sequence = [nodes](const Viewpoint&) { return std::span<const NodeId>(*nodes); };
+  return contender;
+}
+
+Contender order_set(const MeasureSubject& subject, std::uint32_t cache_size) {
+  const Mesh* mesh = subject.mesh;
+  const OrderSet* orders = subject.orders;
+  Contender contender;
+  contender.report = cache_report(*mesh, orders->orders, MethodKind::orders, cache_size);
+  contender.method = {subject.label,
+                      [mesh, orders](const Viewpoint& view) { return ranks_from(*mesh, *orders, view); }};
+  contender.sequence = [orders](const Viewpoint& view) {
+    return std::span<const NodeId>(orders->orders[select_order(*orders, view.direction)]);
+  };
+  return contender;
+}
+
+Contender centroid_sort(const Mesh& mesh, const BoundingSphere& sphere, std::span<const Viewpoint> viewpoints,
+                        std::uint32_t cache_size) {
+  Contender contender;
+  std::vector<NodeSequence> sequences;
+  for (const Viewpoint& view : viewpoints.first(std::min(viewpoints.size(), kSortedSequences))) {
+    sequences.push_back(centroid_sorted(mesh, sphere, view));
+  }
+  contender.report = cache_report(mesh, sequences, MethodKind::baseline, cache_size);
+  contender.report.buffers = 1;  // rewritten in every frame
+  contender.report.memory_bytes = bytes_of_indices(mesh, mesh.triangles.size());
+  const Mesh* drawn = &mesh;
+  contender.method = {"centroid_sort", [drawn, sphere](const Viewpoint& view) {
+                        return ranks_of(centroid_sorted(*drawn, sphere, view), drawn->triangles.size());
+                      }};
+  return contender;
+}
+
+// Quality and overdraw of contenders that share a mesh; every frame is rasterised once for all of them.
+void measure_on(const Mesh& mesh, Facing facing, std::span<Contender> contenders,
+                const MeasureSettings& settings, Progress* progress) {
+  if (contenders.empty()) return;
+  MeasureOptions options;
+  options.viewpoints = settings.viewpoints;
+  options.min_distance = settings.min_distance;
+  options.max_distance = settings.max_distance;
+  options.size = settings.size;
+  options.seed = settings.seed;
+  options.facing = facing;
+  options.shading.alpha = settings.alpha;
+  options.progress = progress;
+  std::vector<DrawingMethod> methods;
+  for (const Contender& contender : contenders) methods.push_back(contender.method);
+  std::vector<MethodQuality> qualities = measure_order_quality(mesh, methods, options);
+
+  const std::vector<Viewpoint> viewpoints =
+      random_viewpoints(settings.viewpoints, settings.min_distance, settings.max_distance, settings.seed);
+  const std::span<const Viewpoint> first = std::span(viewpoints).first(overdraw_viewpoints(settings));
+  begin_stage(progress, "overdraw", contenders.size());
+  for (std::size_t i = 0; i < contenders.size(); ++i) {
+    stop_if_requested(progress);
+    contenders[i].report.quality = std::move(qualities[i]);
+    if (contenders[i].sequence) {
+      contenders[i].report.overdraw =
+          measure_overdraw(mesh, first, settings.size, contenders[i].sequence).overdraw;
+    }
+    advance_stage(progress, 1);
+  }
+}
+
+void append_reports(std::vector<MethodReport>& reports, std::span<Contender> contenders) {
+  for (Contender& contender : contenders) reports.push_back(std::move(contender.report));
+}
+
+}  // namespace
+
+BufferStatistics sequence_statistics(const Mesh& mesh, std::span<const NodeId> sequence, CacheModel model,
+                                     std::uint32_t cache_size) {
+  BufferStatistics statistics;
+  if (sequence.empty()) return statistics;
+  const std::vector<std::uint32_t> indices = index_buffer(mesh, sequence);
+  const CacheStatistics cache =
+      simulate_vertex_cache(indices, static_cast<std::uint32_t>(mesh.positions.size()), model, cache_size);
+  std::vector<bool> seen(mesh.triangles.size(), false);
+  std::uint64_t distinct = 0;
+  for (const NodeId node : sequence) {
+    if (!seen[triangle_of(node)]) ++distinct;
+    seen[triangle_of(node)] = true;
+  }
+  statistics.triangles = sequence.size();
+  statistics.misses = cache.misses;
+  statistics.acmr = cache.acmr;
+  statistics.acmr_drawn = static_cast<double>(cache.misses) / static_cast<double>(distinct);
+  return statistics;
+}
+
+std::vector<BufferStatistics> buffer_statistics(const Mesh& mesh, const OrderSet& orders, CacheModel model,
+                                                std::uint32_t cache_size) {
+  std::vector<BufferStatistics> statistics;
+  statistics.reserve(orders.orders.size());
+  for (const NodeSequence& sequence : orders.orders) {
+    statistics.push_back(sequence_statistics(mesh, sequence, model, cache_size));
+  }
+  return statistics;
+}
+
+BufferStatistics pooled(std::span<const BufferStatistics> buffers) {
+  BufferStatistics sum;
+  double drawn = 0;
+  for (const BufferStatistics& buffer : buffers) {
+    sum.triangles += buffer.triangles;
+    sum.misses += buffer.misses;
+    if (buffer.acmr_drawn > 0) drawn += static_cast<double>(buffer.misses) / buffer.acmr_drawn;
+  }
+  if (sum.triangles > 0) sum.acmr = static_cast<double>(sum.misses) / static_cast<double>(sum.triangles);
+  if (drawn > 0) sum.acmr_drawn = static_cast<double>(sum.misses) / drawn;
+  return sum;
+}
+
+std::vector<std::uint32_t> ranks_of_triangles(std::span<const std::uint32_t> sequence,
+                                              std::uint64_t triangle_count) {
+  std::vector<std::uint32_t> ranks(2 * triangle_count, kNoRank);
+  std::uint32_t next = 0;
+  for (const std::uint32_t triangle : sequence) {
+    ranks[node_of(triangle, false)] = next++;
+    ranks[node_of(triangle, true)] = next++;
+  }
+  return ranks;
+}
+
+std::vector<std::uint32_t> ranks_as_stored(std::uint64_t triangle_count) {
+  std::vector<std::uint32_t> sequence = stored_sequence(triangle_count);
+  std::reverse(sequence.begin(), sequence.end());
+  return ranks_of_triangles(sequence, triangle_count);
+}
+
+std::vector<std::uint32_t> ranks_from(const Mesh& mesh, const OrderSet& orders, const Viewpoint& viewpoint) {
+  if (viewpoint.distance < orders.valid_from && !orders.base_sequence.empty()) {
+    return ranks_of_triangles(orders.base_sequence, mesh.triangles.size());
+  }
+  return ranks_of(orders.orders[select_order(orders, viewpoint.direction)], mesh.triangles.size());
+}
+
+std::vector<std::uint32_t> cache_optimized_sequence(const Mesh& mesh) {
+  const std::vector<std::uint32_t> triangles = stored_sequence(mesh.triangles.size());
+  if (triangles.empty()) return triangles;
+  const std::vector<std::uint32_t> indices = index_buffer(mesh, front_nodes(triangles));
+  std::vector<std::uint32_t> optimized(indices.size());
+  meshopt_optimizeVertexCache(optimized.data(), indices.data(), indices.size(), mesh.positions.size());
+
+  // meshoptimizer moves triangles without turning them: find each again by its corners, twins in file order.
+  std::multimap<Triangle, std::uint32_t> by_corners;
+  for (const std::uint32_t triangle : triangles) by_corners.emplace(mesh.triangles[triangle], triangle);
+  std::vector<std::uint32_t> sequence;
+  sequence.reserve(triangles.size());
+  for (std::size_t i = 0; i < optimized.size(); i += 3) {
+    const auto found = by_corners.find({optimized[i], optimized[i + 1], optimized[i + 2]});
+    if (found == by_corners.end()) throw Error(ErrorKind::internal, "vertex cache order lost a triangle");
+    sequence.push_back(found->second);
+    by_corners.erase(found);
+  }
+  return sequence;
+}
+
+std::uint32_t overdraw_viewpoints(const MeasureSettings& settings) {
+  return std::min(settings.viewpoints, kMostOverdrawViewpoints);
+}
+
+PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects, const Mesh* original,
+                                        const std::string& name, const MeasureSettings& settings,
+                                        Progress* progress) {
+  const MeasureSubject& main = subjects.front();
+  const Mesh& mesh = *main.mesh;
+  const Facing facing = main.orders != nullptr ? main.orders->facing : Facing::duplicated;
+  PrimitiveMeasureReport report;
+  report.name = name;
+  report.triangles = mesh.triangles.size();
+  report.vertices = mesh.positions.size();
+
+  // The first mesh, with its order set and the rivals that need no other mesh.
+  std::vector<Contender> shared;
+  if (main.orders != nullptr) shared.push_back(order_set(main, settings.cache_size));
+  const std::size_t order_sets = shared.size();
+  if (settings.baselines) {
+    const std::vector<Viewpoint> viewpoints =
+        random_viewpoints(settings.viewpoints, settings.min_distance, settings.max_distance, settings.seed);
+    if (main.orders != nullptr && !main.orders->base_sequence.empty()) {
+      shared.push_back(single_sequence(mesh, "base", main.orders->base_sequence, settings.cache_size));
+    }
+    shared.push_back(
+        single_sequence(mesh, "cache_optimized", cache_optimized_sequence(mesh), settings.cache_size));
+    shared.push_back(centroid_sort(mesh, bounding_sphere(mesh), viewpoints, settings.cache_size));
+  }
+  measure_on(mesh, facing, shared, settings, progress);
+
+  // Further files and the original order draw meshes of their own: the same surface, triangles in another
+  // order.
+  append_reports(report.methods, std::span(shared).first(order_sets));
+  for (const MeasureSubject& subject : subjects.subspan(1)) {
+    if (subject.orders == nullptr) continue;
+    Contender contender = order_set(subject, settings.cache_size);
+    measure_on(*subject.mesh, subject.orders->facing, std::span(&contender, 1), settings, progress);
+    report.methods.push_back(std::move(contender.report));
+  }
+  if (original != nullptr) {
+    const std::uint64_t triangles = original->triangles.size();
+    Contender contender =
+        single_sequence(*original, "original", stored_sequence(triangles), settings.cache_size);
+    contender.method.ranks = [triangles](const Viewpoint&) { return ranks_as_stored(triangles); };
+    measure_on(*original, facing, std::span(&contender, 1), settings, progress);
+    report.methods.push_back(std::move(contender.report));
+  }
+  append_reports(report.methods, std::span(shared).subspan(order_sets));
+  return report;
+}
+
+}  // namespace pellucid

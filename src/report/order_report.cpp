@@ -1,0 +1,192 @@
+// What `pellucid order` did, as a table and as JSON: see pellucid/report.h.
+#include <fmt/format.h>
+
+#include "json.h"
+#include "pellucid/report.h"
+
+namespace pellucid {
+namespace {
+
+Json json_of(const MeshReport& check) {
+  return {{"out_of_range", check.out_of_range},
+          {"non_finite", check.non_finite},
+          {"degenerate", check.degenerate},
+          {"duplicate", check.duplicate},
+          {"unreferenced_vertices", check.unreferenced_vertices},
+          {"boundary_edges", check.boundary_edges},
+          {"non_manifold_edges", check.non_manifold_edges},
+          {"closed", check.closed()}};
+}
+
+Json json_of(const BufferStatistics& buffer) {
+  return {{"triangles", buffer.triangles},
+          {"acmr", buffer.acmr},
+          {"acmr_drawn", buffer.acmr_drawn},
+          {"misses", buffer.misses}};
+}
+
+Json json_of(const OrderErrorRecord& error) {
+  Json by_distance = Json::array();
+  for (const auto& bin : error.by_distance)
+    by_distance.push_back({{"distance", bin.distance}, {"ipr", bin.ipr}});
+  return {{"viewpoints", error.viewpoints},
+          {"size", error.size},
+          {"ipr", {{"mean", error.ipr_mean}, {"max", error.ipr_max}}},
+          {"psnr", {{"mean", error.psnr_mean}}},
+          {"by_distance", std::move(by_distance)}};
+}
+
+Json json_of(const PrimitiveOrderReport& primitive) {
+  const OrderStatistics& s = primitive.statistics;
+  const BufferStatistics pool = pooled(primitive.buffers);
+  Json buffers = Json::array();
+  for (const BufferStatistics& buffer : primitive.buffers) buffers.push_back(json_of(buffer));
+  Json json = {{"primitive", primitive.primitive},
+               {"name", primitive.name},
+               {"triangles", primitive.triangles},
+               {"vertices", primitive.vertices},
+               {"check", json_of(primitive.check)},
+               {"buffer_count", primitive.buffers.size()},
+               {"buffers", std::move(buffers)},
+               {"acmr_before", primitive.acmr_before},
+               {"acmr", pool.acmr},
+               {"acmr_drawn", pool.acmr_drawn},
+               {"memory_bytes", primitive.memory_bytes},
+               {"viewpoints", s.viewpoints},
+               {"edges_per_viewpoint", s.edges_per_viewpoint},
+               {"edges_total", s.edges_total},
+               {"intersecting_pairs", s.intersecting_pairs},
+               {"dropped_edges", {{"count", s.dropped_edges}, {"weight", s.dropped_weight}}},
+               {"cyclic_cells", s.cyclic_cells},
+               {"violated_weight", s.violated_weight},
+               {"clusters_before_relaxation", s.clusters_before_relaxation},
+               {"iterations", s.iterations},
+               {"training_ipr", s.measured_error < 0 ? Json(nullptr) : Json(s.measured_error)},
+               {"error", primitive.error ? json_of(*primitive.error) : Json(nullptr)},
+               {"seconds",
+                {{"total", s.seconds.total},
+                 {"graph", s.seconds.graph},
+                 {"cluster", s.seconds.cluster},
+                 {"sequence", s.seconds.sequence}}}};
+  return json;
+}
+
+std::string problems_of(const MeshReport& check) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, const char* what) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + format_count(count) + " " + what;
+  };
+  add(check.out_of_range, "out of range");
+  add(check.non_finite, "not finite");
+  add(check.degenerate, "degenerate");
+  return text;
+}
+
+}  // namespace
+
+std::string to_json(const OrderReport& report) {
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t memory = 0;
+  std::uint64_t dropped = 0;
+  double dropped_weight = 0;
+  std::uint64_t cyclic_cells = 0;
+  StageSeconds stages;
+  Json buffers = Json::array();
+  Json primitives = Json::array();
+  for (const PrimitiveOrderReport& primitive : report.primitives) {
+    triangles += primitive.triangles;
+    vertices += primitive.vertices;
+    memory += primitive.memory_bytes;
+    dropped += primitive.statistics.dropped_edges;
+    // Shares of weight cannot be added: the mean by triangles says what a typical primitive lost.
+    dropped_weight += primitive.statistics.dropped_weight * static_cast<double>(primitive.triangles);
+    cyclic_cells += primitive.statistics.cyclic_cells;
+    stages.graph += primitive.statistics.seconds.graph;
+    stages.cluster += primitive.statistics.seconds.cluster;
+    stages.sequence += primitive.statistics.seconds.sequence;
+    for (const BufferStatistics& buffer : primitive.buffers) {
+      Json json = json_of(buffer);
+      json["primitive"] = primitive.primitive;
+      buffers.push_back(std::move(json));
+    }
+    primitives.push_back(json_of(primitive));
+  }
+  if (triangles > 0) dropped_weight /= static_cast<double>(triangles);
+  Json distances = Json::array();
+  for (const double distance : report.distances) distances.push_back(json_distance(distance));
+
+  const Json json = {{"schema", kJsonSchema},
+                     {"version", library_version()},
+                     {"input", report.input},
+                     {"output", report.output},
+                     {"files", report.files},
+                     {"triangles", triangles},
+                     {"vertices", vertices},
+                     {"method", report.method},
+                     {"views", report.views},
+                     {"distances", std::move(distances)},
+                     {"cache", report.cache_size},
+                     {"seed", report.seed},
+                     {"buffer_count", buffers.size()},
+                     {"buffers", buffers},
+                     {"memory_bytes", memory},
+                     {"disk_bytes", report.disk_bytes},
+                     {"file_bytes", report.file_bytes},
+                     {"dropped_edges", {{"count", dropped}, {"weight", dropped_weight}}},
+                     {"cyclic_cells", cyclic_cells},
+                     {"seconds",
+                      {{"total", report.seconds_total},
+                       {"read", report.seconds_read},
+                       {"graph", stages.graph},
+                       {"cluster", stages.cluster},
+                       {"sequence", stages.sequence},
+                       {"validate", report.seconds_validate},
+                       {"write", report.seconds_write}}},
+                     {"peak_rss_bytes", report.peak_rss_bytes},
+                     {"primitives", std::move(primitives)},
+                     {"notes", report.notes}};
+  return dump(json);
+}
+
+std::string to_text(const OrderReport& report) {
+  TextTable table({"primitive", "triangles", "buffers", "ACMR before", "ACMR", "per drawn", "memory", "graph",
+                   "cluster", "sequence", "wrong pixels"});
+  for (const PrimitiveOrderReport& primitive : report.primitives) {
+    const BufferStatistics pool = pooled(primitive.buffers);
+    const StageSeconds& seconds = primitive.statistics.seconds;
+    std::string error = "-";
+    if (primitive.error) {
+      error = format_percent(primitive.error->ipr_mean);
+    } else if (primitive.statistics.measured_error >= 0) {
+      error = format_percent(primitive.statistics.measured_error);
+    }
+    table.add_row({primitive.name, format_count(primitive.triangles),
+                   std::to_string(primitive.buffers.size()), format_fixed(primitive.acmr_before, 3),
+                   format_fixed(pool.acmr, 3), format_fixed(pool.acmr_drawn, 3),
+                   format_bytes(primitive.memory_bytes), format_seconds(seconds.graph),
+                   format_seconds(seconds.cluster), format_seconds(seconds.sequence), error});
+  }
+  std::string text = table.to_string();
+  for (const PrimitiveOrderReport& primitive : report.primitives) {
+    const std::string problems = problems_of(primitive.check);
+    if (!problems.empty()) text += fmt::format("{}: left out triangles: {}\n", primitive.name, problems);
+    if (primitive.error) {
+      text +=
+          fmt::format("{}: {} held-out viewpoints at {}x{}: wrong pixels mean {}, worst {}; PSNR {} dB\n",
+                      primitive.name, primitive.error->viewpoints, primitive.error->size,
+                      primitive.error->size, format_percent(primitive.error->ipr_mean),
+                      format_percent(primitive.error->ipr_max), format_fixed(primitive.error->psnr_mean, 1));
+    }
+  }
+  text += fmt::format("{}: {} ({} for orders), method {}, views {}, seed {}\n", report.output,
+                      format_bytes(report.file_bytes), format_bytes(report.disk_bytes), report.method,
+                      report.views, report.seed);
+  text += fmt::format("{} in all (read {}, validate {}, write {}), peak memory {}\n",
+                      format_seconds(report.seconds_total), format_seconds(report.seconds_read),
+                      format_seconds(report.seconds_validate), format_seconds(report.seconds_write),
+                      format_bytes(report.peak_rss_bytes));
+  return text;
+}
+
+}  // namespace pellucid

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct Fragment {
   std::uint32_t node;  // 2 * triangle + (0: front facing, 1: back facing)
 };
 
+struct RasterMemory;  // opaque
+
 struct FragmentBuffer {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint64_t> offsets;  // width * height + 1
@@ -46,6 +49,9 @@ struct FragmentBuffer {
     return {fragments.data() + offsets[p], static_cast<std::size_t>(offsets[p + 1] - offsets[p])};
   }
   [[nodiscard]] std::uint64_t covered_pixels() const;
+
+  // Working memory that the next rasterize() into this buffer uses again (a copy of the buffer gets its own).
+  std::shared_ptr<RasterMemory> memory{};
 };
 
 enum class Culling { none, back };  // back: only front-facing triangles make fragments
@@ -55,7 +61,9 @@ struct RasterOptions {
 };
 // All fragments of `mesh`. Triangles are clipped at the near and far planes. The buffers of `out` are reused.
 // Time O(triangles + fragments * log(depth complexity)); memory 8 bytes a fragment and 8 a pixel.
-// Throws Error{bad_argument} for a picture of no pixels or more than 2^28.
+// Throws Error{bad_argument} for a picture of no pixels, more than 2^28 or more than 2^20 a side, and for a camera whose
+// planes or half_height make no sense. Triangles that have no area after snapping, or a corner that is not finite, make
+// no fragments.
 void rasterize(const Mesh& mesh, const Camera& camera, const RasterOptions& options, FragmentBuffer& out);
 
 }  // namespace pellucid

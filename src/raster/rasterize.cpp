@@ -1,0 +1,118 @@
+// rasterize.cpp - the way from a mesh to its fragments: project, cover, list.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "fragment_lists.h"
+#include "pellucid/raster.h"
+#include "projection.h"
+#include "spans.h"
+
+namespace pellucid {
+
+// What one call leaves for the next on the same buffer.
+struct RasterMemory {
+  std::vector<raster::ScreenVertex> vertices;
+  std::vector<raster::BandedSpans> parts;
+};
+
+namespace {
+
+using raster::BandedSpans;
+using raster::Bands;
+
+// Parts of a mesh are rasterised in parallel; smaller ones are not worth a task.
+constexpr std::size_t kMinTrianglesPerPart = 8192;
+constexpr std::size_t kVerticesPerTask = 8192;
+constexpr std::uint64_t kMaxPixels = 1ULL << 28U;
+
+void check_picture(const Camera& camera) {
+  const std::uint64_t pixels = std::uint64_t{camera.width} * camera.height;
+  if (pixels == 0 || pixels > kMaxPixels || std::max(camera.width, camera.height) > raster::kMaxSide) {
+    throw Error(ErrorKind::bad_argument,
+                "picture size " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                    ": at least one pixel, at most 2^28 and at most 2^20 a side are possible");
+  }
+  const bool planes_ok = camera.perspective ? camera.near_plane > 0 && camera.near_plane < camera.far_plane
+                                            : camera.near_plane < camera.far_plane;
+  if (!planes_ok || !(camera.half_height > 0)) {
+    throw Error(ErrorKind::bad_argument,
+                "camera: half_height must be positive and the near plane nearer than the far plane" +
+                    std::string(camera.perspective ? ", and in front of the eye" : ""));
+  }
+}
+
+// Working memory of `out`, unless a copy of it shares it.
+RasterMemory& memory_of(FragmentBuffer& out) {
+  if (out.memory == nullptr || out.memory.use_count() > 1) out.memory = std::make_shared<RasterMemory>();
+  return *out.memory;
+}
+
+void project_all(const raster::Projection& projection, const Mesh& mesh, RasterMemory& memory) {
+  memory.vertices.resize(mesh.positions.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), kVerticesPerTask),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      raster::project(projection,
+                                      std::span(mesh.positions).subspan(range.begin(), range.size()),
+                                      std::span(memory.vertices).subspan(range.begin(), range.size()));
+                    });
+}
+
+void make_spans(const raster::Projection& projection, const Mesh& mesh, const Bands& bands, Culling culling,
+                RasterMemory& memory) {
+  const std::size_t triangles = mesh.triangles.size();
+  const auto workers = static_cast<std::size_t>(std::max(tbb::this_task_arena::max_concurrency(), 1));
+  const std::size_t count = std::clamp<std::size_t>(triangles / kMinTrianglesPerPart, 1, 4 * workers);
+  memory.parts.resize(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t part) {
+    memory.parts[part].reset(bands);
+    raster::SpanMaker maker(projection, culling, memory.parts[part]);
+    maker.add(mesh, memory.vertices, triangles * part / count, triangles * (part + 1) / count);
+  });
+}
+
+void make_lists(const Bands& bands, std::span<const BandedSpans> parts, FragmentBuffer& out) {
+  std::vector<std::uint64_t> first(std::size_t{bands.count} + 1, 0);
+  for (std::uint32_t band = 0; band < bands.count; ++band) {
+    first[band + 1] = first[band] + raster::count_fragments(parts, band);
+  }
+  out.offsets.resize(std::size_t{bands.width} * bands.height + 1);
+  out.offsets.back() = first.back();
+  out.fragments.resize(first.back());
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, bands.count),
+                    [&](const tbb::blocked_range<std::uint32_t>& range) {
+                      std::vector<std::int32_t> counters;
+                      for (std::uint32_t band = range.begin(); band != range.end(); ++band) {
+                        raster::fill_band(bands, band, parts, first[band], counters, out);
+                      }
+                    });
+}
+
+}  // namespace
+
+std::uint64_t FragmentBuffer::covered_pixels() const {
+  std::uint64_t covered = 0;
+  for (std::size_t p = 0; p + 1 < offsets.size(); ++p) covered += offsets[p + 1] > offsets[p] ? 1U : 0U;
+  return covered;
+}
+
+void rasterize(const Mesh& mesh, const Camera& camera, const RasterOptions& options, FragmentBuffer& out) {
+  check_picture(camera);
+  const raster::Projection projection(camera);
+  const Bands bands(camera.width, camera.height);
+  RasterMemory& memory = memory_of(out);
+  out.width = camera.width;
+  out.height = camera.height;
+  // Isolated: a thread that waits here must not begin another frame of the caller, whose buffers it may
+  // share.
+  tbb::this_task_arena::isolate([&] {
+    project_all(projection, mesh, memory);
+    make_spans(projection, mesh, bands, options.culling, memory);
+    make_lists(bands, memory.parts, out);
+  });
+}
+
+}  // namespace pellucid

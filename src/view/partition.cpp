@@ -157,8 +157,10 @@ PartitionSpec parse_partition(const std::string& text) {
 }
 
 std::string to_string(const PartitionSpec& spec) {
-  if (spec.kind == PartitionKind::viewpoints) return "P" + std::to_string(spec.level);
-  return "S" + std::to_string(spec.level) + "," + std::to_string(spec.sample_level);
+  std::string name(1, spec.kind == PartitionKind::viewpoints ? 'P' : 'S');
+  name += std::to_string(spec.level);
+  if (spec.kind == PartitionKind::sampled_triangles) name += ',' + std::to_string(spec.sample_level);
+  return name;
 }
 
 ViewPartition make_partition(const PartitionSpec& spec) {

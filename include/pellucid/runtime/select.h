@@ -81,11 +81,13 @@ static inline void pellucid_midpoint(const double a[3], const double b[3], doubl
   out[2] *= scale;
 }
 
-/* Unit vector along `direction`, whatever its length. 0 where it has none: NaN, infinite or zero. */
+/* Unit vector along `direction`, whatever its length. 0, and the zero vector, where it has none: NaN,
+ * infinite or zero. */
 static inline int pellucid_normalize(const double direction[3], double out[3]) {
   double largest = fabs(direction[0]);
   double scale;
   int i;
+  out[0] = out[1] = out[2] = 0;
   if (fabs(direction[1]) > largest) largest = fabs(direction[1]);
   if (fabs(direction[2]) > largest) largest = fabs(direction[2]);
   /* A sum is NaN or infinite as soon as one of its terms is; comparisons above skip over NaN. */

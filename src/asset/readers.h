@@ -1,4 +1,5 @@
-// Internal to the room `asset`: one reader per format. Each takes a path, throws Error{bad_input} with one clear line.
+// Internal to the room `asset`: one reader per format. Each takes a path, throws Error{bad_input} with one
+// clear line.
 #pragma once
 
 #include <string>

@@ -1,0 +1,64 @@
+// Internal to the room `asset`: a glTF file as it lies on disk, its JSON and its buffers, nothing
+// interpreted.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "pellucid/asset.h"
+
+namespace pellucid {
+
+using Json = nlohmann::ordered_json;
+using Bytes = std::vector<std::byte>;
+
+constexpr const char* kOrderExtension = "PELLUCID_mesh_primitive_view_orders";
+constexpr const char* kMeshoptExtension = "EXT_meshopt_compression";
+constexpr const char* kKhrMeshoptExtension = "KHR_meshopt_compression";
+
+// Where a buffer's bytes come from, and go to when the file is written again.
+enum class BufferStorage {
+  binary_chunk,  // the BIN chunk of a .glb: buffers[0] without a uri
+  data_uri,      // in the JSON text
+  external,      // a file beside the model
+  absent,        // no bytes: the placeholder of EXT_meshopt_compression
+};
+
+struct GltfBuffer {
+  BufferStorage storage = BufferStorage::absent;
+  std::shared_ptr<const Bytes> bytes;  // exactly buffer.byteLength of them; null when absent
+  bool changed = false;                // differs from what its uri holds
+};
+
+// A chunk of a .glb that is neither JSON nor BIN; the container says to keep it.
+struct GlbChunk {
+  std::uint32_t type = 0;
+  Bytes bytes;
+};
+
+struct GltfDocument {
+  std::string path;  // external files are relative to its folder; empty for a document made in memory
+  Json json;
+  std::vector<GltfBuffer> buffers;
+  std::vector<GlbChunk> chunks;
+};
+
+// Parse the file at `path`, .gltf or .glb by its first bytes, and load every buffer that it names.
+// Hostile input ends in Error{bad_input}: the JSON text is bounded in size, depth and keys per object.
+GltfDocument load_document(const std::string& path);
+
+// How a document becomes files.
+struct DocumentFiles {
+  std::vector<std::pair<std::string, Bytes>> side_files;  // path, content; to be written first
+  Bytes main;
+};
+// Lay `document` out as the file `path` (.glb or .gltf by extension) and its side files. The document's JSON
+// is changed where a buffer moves (uri, byteLength). `side_names[i]`, where not empty, makes buffer i the
+// external file of that name. Throws Error{bad_argument} where a .glb would exceed 4 GiB.
+DocumentFiles lay_out(GltfDocument& document, const std::string& path,
+                      const std::vector<std::string>& side_names);
+
+}  // namespace pellucid

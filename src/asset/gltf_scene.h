@@ -1,0 +1,19 @@
+// Internal to the room `asset`: the nodes of a glTF scene become instances.
+#pragma once
+
+#include <functional>
+
+#include "json_fields.h"
+
+namespace pellucid {
+
+// Walk the nodes of the default scene (of all root nodes where the file has no scene), parents before
+// children, and call `visit(node, world)` for each. Fails for cycles, a node with two parents, and indices
+// out of range.
+void for_each_node(const Fields& root,
+                   const std::function<void(const Fields& node, const Mat4& world)>& visit);
+
+// Column-major product: a after b.
+Mat4 multiply(const Mat4& a, const Mat4& b);
+
+}  // namespace pellucid

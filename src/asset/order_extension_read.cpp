@@ -1,0 +1,252 @@
+// The order extension in: see order_extension.h.
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "facing_table.h"
+#include "order_extension.h"
+
+namespace pellucid {
+namespace {
+
+constexpr std::uint64_t kMaxLevel = 5;  // of PartitionSpec
+constexpr std::uint64_t kMaxSampleLevel = 4;
+
+constexpr std::uint64_t triangle_count(std::uint64_t level) {
+  return std::uint64_t{20} << (2 * level);
+}
+
+class OrderExtensionReader {
+ public:
+  OrderExtensionReader(const Fields& extension, const Mesh& mesh, AccessorReader& accessors)
+      : extension_(extension), mesh_(mesh), accessors_(accessors) {}
+
+  StoredOrders read() {
+    const std::uint64_t version = extension_.index("version");
+    if (version != kOrderExtensionVersion) {
+      extension_.fail("version " + std::to_string(version) + " is not known; a newer pellucid may read it");
+    }
+    StoredOrders stored;
+    reversed_ = choose("sorting", "backToFront", "frontToBack");
+    stored.orders.facing = choose("facing", "duplicated", "single") ? Facing::duplicated : Facing::single;
+    read_partition(stored.orders);
+    read_orders(stored.orders);
+    read_cell_orders(stored.orders);
+    const std::uint64_t fallback = extension_.index_or("fallbackOrder", 0);
+    if (fallback >= stored.orders.orders.size()) extension_.fail("fallbackOrder names no order");
+    stored.orders.base_sequence.resize(mesh_.triangles.size());
+    std::iota(stored.orders.base_sequence.begin(), stored.orders.base_sequence.end(), 0U);
+    stored.error = read_error();
+    return stored;
+  }
+
+ private:
+  // True for `yes`, false for `no`, anything else fails.
+  bool choose(const char* key, const char* yes, const char* no) const {
+    return choose(extension_, key, yes, no);
+  }
+
+  static bool choose(const Fields& fields, const char* key, const char* yes, const char* no) {
+    const std::string value = fields.text(key);
+    if (value != yes && value != no) {
+      fields.fail(std::string(key) + " is \"" + value.substr(0, 40) + "\", neither " + yes + " nor " + no);
+    }
+    return value == yes;
+  }
+
+  void read_partition(OrderSet& set) const {
+    const Fields partition = extension_.object("partition");
+    if (const std::string type = partition.text("type"); type != "icosphere") {
+      partition.fail("type \"" + type.substr(0, 40) + "\" is not known");
+    }
+    const bool triangles = choose(partition, "cells", "triangles", "vertices");
+    const std::uint64_t level = partition.index("level");
+    const std::uint64_t sample_level = triangles ? partition.index_or("sampleLevel", 0) : 0;
+    if (level > kMaxLevel) partition.fail("level " + std::to_string(level) + " is above 5");
+    if (sample_level > kMaxSampleLevel)
+      partition.fail("sampleLevel " + std::to_string(sample_level) + " is above 4");
+    set.partition = {triangles ? PartitionKind::sampled_triangles : PartitionKind::viewpoints,
+                     static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(sample_level)};
+
+    const std::vector<double> center = partition.numbers("center", 3);
+    if (center.empty()) partition.fail("center is missing");
+    set.sphere = {{center[0], center[1], center[2]}, partition.number("radius")};
+    set.valid_from = partition.number("minDistance");
+    set.valid_to = partition.number_or("maxDistance", kInfiniteDistance);
+    if (set.sphere.radius < 0) partition.fail("radius is negative");
+    if (set.valid_from < 0 || set.valid_to < set.valid_from)
+      partition.fail("minDistance to maxDistance is no range");
+  }
+
+  void read_orders(OrderSet& set) {
+    const std::uint64_t count = extension_.size("orders");
+    if (count == 0) extension_.fail("it has no orders");
+    // An order that no cell uses can only be the fallback.
+    if (count > triangle_count(set.partition.level) + 1)
+      extension_.fail("it has more orders than view cells");
+    std::optional<FacingTable> table;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const Fields order = extension_.element("orders", i);
+      NodeSequence sequence;
+      if (const auto patches = order.find_index("patches")) {
+        sequence = nodes_from_patches(order, *patches, set.facing);
+      } else if (const auto indices = order.find_index("indices")) {
+        if (!table) table.emplace(mesh_, set.facing);
+        sequence = nodes_from_indices(order, *indices, *table);
+      }  // neither: its cells see nothing, and no accessor may be empty
+      set.orders.push_back(std::move(sequence));
+    }
+  }
+
+  // Checked before anything is read: a valid order draws no node twice.
+  void check_length(const Fields& order, std::uint64_t accessor, std::uint64_t per_node) const {
+    const std::uint64_t longest = 2 * mesh_.triangles.size() * per_node;
+    if (accessors_.count(accessor) > longest) order.fail("it is longer than all facings of all triangles");
+  }
+
+  NodeSequence nodes_from_indices(const Fields& order, std::uint64_t accessor, FacingTable& table) {
+    check_length(order, accessor, 3);
+    const std::vector<std::uint32_t> indices = accessors_.read_scalars(accessor);
+    if (indices.size() % 3 != 0) {
+      order.fail("its " + std::to_string(indices.size()) + " indices are no multiple of 3");
+    }
+    NodeSequence sequence(indices.size() / 3);
+    table.start_order();
+    for (std::size_t i = 0; i < sequence.size(); ++i) {
+      const std::size_t at = 3 * (reversed_ ? sequence.size() - 1 - i : i);
+      const Triangle corners{indices[at], indices[at + 1], indices[at + 2]};
+      const auto node = table.take(corners);
+      if (!node) {
+        order.fail("triangle " + std::to_string(at / 3) + " (" + std::to_string(corners[0]) + " " +
+                   std::to_string(corners[1]) + " " + std::to_string(corners[2]) +
+                   ") is no facing of a triangle of the primitive, or comes too often");
+      }
+      sequence[i] = *node;
+    }
+    return sequence;
+  }
+
+  // patchOffsets[p] .. patchOffsets[p + 1] - 1 are the triangles of patch p; without it every triangle is a
+  // patch.
+  const std::vector<std::uint32_t>& patch_offsets() {
+    if (!patch_offsets_.empty()) return patch_offsets_;
+    const std::size_t triangles = mesh_.triangles.size();
+    if (const auto accessor = extension_.find_index("patchOffsets")) {
+      if (accessors_.count(*accessor) > triangles + 1)
+        extension_.fail("patchOffsets has more patches than triangles");
+      patch_offsets_ = accessors_.read_scalars(*accessor);
+      const bool spans =
+          !patch_offsets_.empty() && patch_offsets_.front() == 0 && patch_offsets_.back() == triangles;
+      if (!spans || !std::is_sorted(patch_offsets_.begin(), patch_offsets_.end())) {
+        extension_.fail("patchOffsets does not rise from 0 to the number of triangles");
+      }
+    } else {
+      patch_offsets_.resize(triangles + 1);
+      std::iota(patch_offsets_.begin(), patch_offsets_.end(), 0U);
+    }
+    return patch_offsets_;
+  }
+
+  NodeSequence nodes_from_patches(const Fields& order, std::uint64_t accessor, Facing facing) {
+    check_length(order, accessor, 1);
+    const std::vector<std::uint32_t>& offsets = patch_offsets();
+    const std::uint64_t patches = offsets.size() - 1;
+    std::vector<bool> drawn(2 * mesh_.triangles.size(), false);
+    NodeSequence sequence;
+    for (const std::uint32_t id : accessors_.read_scalars(accessor)) {
+      const bool flipped = id >= patches;
+      if (id >= 2 * patches || (flipped && facing == Facing::single)) {
+        order.fail("patch id " + std::to_string(id) + " is out of range: there are " +
+                   std::to_string(patches));
+      }
+      const std::uint64_t patch = flipped ? id - patches : id;
+      for (std::uint32_t triangle = offsets[patch]; triangle < offsets[patch + 1]; ++triangle) {
+        const NodeId node = node_of(triangle, flipped);
+        if (drawn[node]) order.fail("patch id " + std::to_string(id) + " comes twice");
+        drawn[node] = true;
+        sequence.push_back(node);
+      }
+    }
+    if (reversed_) std::reverse(sequence.begin(), sequence.end());
+    return sequence;
+  }
+
+  void read_cell_orders(OrderSet& set) {
+    const std::uint64_t accessor = extension_.index("cellOrders");
+    const bool per_corner = set.partition.kind == PartitionKind::viewpoints;
+    const std::uint64_t expected = triangle_count(set.partition.level) * (per_corner ? 3 : 1);
+    if (accessors_.count(accessor) != expected) {
+      extension_.fail("cellOrders has " + std::to_string(accessors_.count(accessor)) +
+                      " entries, the partition needs " + std::to_string(expected));
+    }
+    const std::vector<std::uint32_t> stored = accessors_.read_scalars(accessor);
+    for (std::size_t cell = 0; cell < stored.size(); ++cell) {
+      if (stored[cell] >= set.orders.size()) {
+        extension_.fail("cellOrders[" + std::to_string(cell) + "] names order " +
+                        std::to_string(stored[cell]) + " of " + std::to_string(set.orders.size()));
+      }
+    }
+    set.cell_orders = per_corner ? orders_of_vertices(stored, set.partition.level) : stored;
+  }
+
+  // One order per corner of each triangle becomes one per vertex; the corners of a vertex must agree.
+  std::vector<std::uint32_t> orders_of_vertices(const std::vector<std::uint32_t>& corners,
+                                                std::uint32_t level) const {
+    constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
+    const Icosphere sphere = make_icosphere(level);
+    std::vector<std::uint32_t> orders(sphere.vertices.size(), kUnset);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      std::uint32_t& order = orders[sphere.triangles[i / 3][i % 3]];
+      if (order != kUnset && order != corners[i]) {
+        extension_.fail("cellOrders[" + std::to_string(i) +
+                        "] differs from another corner at the same vertex");
+      }
+      order = corners[i];
+    }
+    return orders;
+  }
+
+  // JSON has no infinity: null stands for it.
+  static double number_or_infinity(const Fields& fields, const char* key) {
+    const Json* value = fields.find(key);
+    if (value != nullptr && value->is_null()) return std::numeric_limits<double>::infinity();
+    return fields.number_or(key, 0);
+  }
+
+  std::optional<OrderErrorRecord> read_error() const {
+    const auto error = extension_.find_object("error");
+    if (!error) return std::nullopt;
+    OrderErrorRecord record;
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    record.viewpoints = static_cast<std::uint32_t>(std::min(error->index_or("views", 0), kMost));
+    record.size = static_cast<std::uint32_t>(std::min(error->index_or("size", 0), kMost));
+    record.ipr_mean = error->number_or("mean", 0);
+    record.ipr_max = error->number_or("max", 0);
+    record.psnr_mean = number_or_infinity(*error, "psnr");
+    const Json* by_distance = error->find_array("byDistance");
+    if (by_distance == nullptr) return record;
+    for (const Json& pair : *by_distance) {
+      if (!pair.is_array() || pair.size() != 2 || !(pair[0].is_number() || pair[0].is_null()) ||
+          !pair[1].is_number()) {
+        error->fail("byDistance does not hold pairs of distance and error");
+      }
+      record.by_distance.push_back(
+          {pair[0].is_null() ? kInfiniteDistance : pair[0].get<double>(), pair[1].get<double>()});
+    }
+    return record;
+  }
+
+  const Fields& extension_;
+  const Mesh& mesh_;
+  AccessorReader& accessors_;
+  bool reversed_ = false;
+  std::vector<std::uint32_t> patch_offsets_;
+};
+
+}  // namespace
+
+StoredOrders read_order_extension(const Fields& extension, const Mesh& mesh, AccessorReader& accessors) {
+  return OrderExtensionReader(extension, mesh, accessors).read();
+}
+
+}  // namespace pellucid

@@ -1,0 +1,276 @@
+// Models out as glTF, with their orders: see write_model in pellucid/asset.h and docs/file-format.md.
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+#include "gltf_edit.h"
+#include "gltf_usage.h"
+#include "meshopt_view.h"
+#include "minimal_document.h"
+#include "order_check.h"
+#include "order_extension.h"
+
+namespace pellucid {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Extensions of a primitive that do not depend on the order of its triangles.
+constexpr std::array kOrderFreeExtensions = {"KHR_materials_variants", "EXT_mesh_features",
+                                             "EXT_structural_metadata", "CESIUM_primitive_outline"};
+
+bool order_may_change(const Json& primitive) {
+  if (!primitive.contains("extensions")) return true;
+  for (const auto& [name, value] : primitive["extensions"].items()) {
+    if (std::find(kOrderFreeExtensions.begin(), kOrderFreeExtensions.end(), name) ==
+        kOrderFreeExtensions.end()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+class ModelWriter {
+ public:
+  ModelWriter(const Model& model, const std::vector<OrderedPrimitive>& ordered, const std::string& path,
+              const WriteOptions& options)
+      : model_(model), path_(path), options_(options), editor_(make_document(ordered)) {}
+
+  WriteReport write() {
+    editor_.remove_orders();
+    if (model_.document != nullptr) write_bases();
+    for (const OrderedPrimitive* entry : ordered_) write_orders(*entry);
+    return write_files();
+  }
+
+ private:
+  // The file's own document, or a new one for other formats. Also sorts `ordered` by primitive: same orders,
+  // same bytes.
+  GltfDocument make_document(const std::vector<OrderedPrimitive>& ordered) {
+    for (const OrderedPrimitive& entry : ordered) ordered_.push_back(&entry);
+    std::sort(ordered_.begin(), ordered_.end(), [](const OrderedPrimitive* a, const OrderedPrimitive* b) {
+      return a->primitive < b->primitive;
+    });
+
+    std::vector<std::vector<std::uint32_t>> bases;
+    for (const Primitive& primitive : model_.primitives) {
+      bases.emplace_back(primitive.mesh.triangles.size());
+      std::iota(bases.back().begin(), bases.back().end(), 0U);
+    }
+    if (model_.document == nullptr) {
+      for (const OrderedPrimitive* entry : ordered_) {
+        if (options_.bake_base) bases[entry->primitive] = complete_base(*entry);
+      }
+      return make_minimal_document(model_, bases, written_);
+    }
+    for (std::size_t p = 0; p < model_.primitives.size(); ++p) {
+      const Primitive& primitive = model_.primitives[p];
+      written_.push_back({true, primitive.mesh_index, primitive.primitive_index, std::move(bases[p])});
+    }
+    return *model_.document;
+  }
+
+  // The base sequence, and after it the triangles that it leaves out because they draw nothing: none gets
+  // lost.
+  std::vector<std::uint32_t> complete_base(const OrderedPrimitive& entry) const {
+    std::vector<std::uint32_t> base = entry.orders.base_sequence;
+    std::vector<bool> listed(model_.primitives[entry.primitive].mesh.triangles.size(), false);
+    for (const std::uint32_t triangle : base) listed[triangle] = true;
+    for (std::uint32_t triangle = 0; triangle < listed.size(); ++triangle) {
+      if (!listed[triangle]) base.push_back(triangle);
+    }
+    return base;
+  }
+
+  // Before all orders, so that orders end the file and can be taken off again.
+  void write_bases() {
+    const std::vector<bool> exclusive = exclusive_index_accessors(editor_.document());
+    for (const OrderedPrimitive* entry : ordered_) {
+      WrittenPrimitive& written = written_[entry->primitive];
+      Json& json = editor_.primitive(written.mesh, written.index);
+      const bool is_list = json.value("mode", 4) == 4;
+      std::vector<std::uint32_t> base = written.base;
+      if (options_.bake_base && order_may_change(json)) base = complete_base(*entry);
+      if (is_list && base == written.base) continue;
+      written.base = std::move(base);
+      write_base(json, model_.primitives[entry->primitive].mesh, written.base, exclusive);
+      if (!is_list) json["mode"] = 4;
+    }
+  }
+
+  void write_base(Json& primitive, const Mesh& mesh, const std::vector<std::uint32_t>& base,
+                  const std::vector<bool>& exclusive) {
+    std::vector<std::uint32_t> indices;
+    indices.reserve(3 * base.size());
+    for (const std::uint32_t triangle : base) {
+      indices.insert(indices.end(), mesh.triangles[triangle].begin(), mesh.triangles[triangle].end());
+    }
+    if (primitive.contains("indices")) {
+      const auto id = primitive["indices"].get<std::uint64_t>();
+      const Json& accessor = editor_.document().json["accessors"][id];
+      // A strip or fan has fewer indices than its list of triangles.
+      if (exclusive[id] && accessor["count"] == indices.size()) {
+        const Json& view =
+            editor_.document().json["bufferViews"][accessor["bufferView"].get<std::uint64_t>()];
+        const std::uint64_t offset =
+            view.value("byteOffset", std::uint64_t{0}) + accessor.value("byteOffset", std::uint64_t{0});
+        editor_.overwrite(view["buffer"].get<std::uint64_t>(), offset,
+                          pack(indices, accessor["componentType"].get<IndexWidth>()));
+        return;
+      }
+    }
+    const IndexWidth width = vertex_index_width(mesh.positions.size());
+    const std::uint64_t view =
+        editor_.append_view(editor_.append_bytes(editor_.host_buffer(), pack(indices, width)));
+    primitive["indices"] = editor_.append_accessor(view, 0, width, indices.size());
+  }
+
+  std::uint64_t side_buffer(const std::string& suffix) {
+    const std::string name = fs::path(path_).stem().string() + suffix;
+    const auto known = std::find(side_names_.begin(), side_names_.end(), name);
+    if (known != side_names_.end()) return static_cast<std::uint64_t>(known - side_names_.begin());
+    const std::uint64_t buffer = editor_.append_buffer(BufferStorage::external);
+    side_names_.resize(buffer + 1);
+    side_names_[buffer] = name;
+    return buffer;
+  }
+
+  std::uint64_t order_buffer() {
+    return options_.split_buffer ? side_buffer(".orders.bin") : editor_.host_buffer();
+  }
+
+  // What is stored for one order: indices, or ids of triangles in primitive.indices as written.
+  std::vector<std::uint32_t> stored_values(const NodeSequence& order, const Mesh& mesh,
+                                           const std::vector<std::uint32_t>& position,
+                                           std::size_t patches) const {
+    NodeSequence drawn = order;
+    if (options_.direction == SortDirection::back_to_front) std::reverse(drawn.begin(), drawn.end());
+    std::vector<std::uint32_t> values;
+    for (const NodeId node : drawn) {
+      if (options_.encoding == OrderEncoding::indices) {
+        const Triangle corners = corners_of(mesh, node);
+        values.insert(values.end(), corners.begin(), corners.end());
+      } else {
+        values.push_back(position[triangle_of(node)] +
+                         static_cast<std::uint32_t>(is_flipped(node) ? patches : 0));
+      }
+    }
+    return values;
+  }
+
+  std::uint64_t append_order_view(const std::vector<std::uint32_t>& values, IndexWidth width) {
+    const Bytes bytes = pack(values, width);
+    if (options_.encoding != OrderEncoding::meshopt) {
+      report_.order_bytes += bytes.size();
+      return editor_.append_view(editor_.append_bytes(order_buffer(), bytes));
+    }
+    const Bytes compressed = encode_meshopt_indices(values);
+    report_.order_bytes += compressed.size();
+    const auto stored = editor_.append_bytes(order_buffer(), compressed);
+    const std::uint64_t fallback = side_buffer(".orders-fallback.bin");
+    editor_.document().json["buffers"][fallback]["extensions"][kMeshoptExtension]["fallback"] = true;
+    editor_.declare_extension(kMeshoptExtension);
+    return editor_.append_compressed_view(editor_.append_bytes(fallback, bytes), stored, width);
+  }
+
+  std::uint64_t append_cell_orders(const OrderSet& set) {
+    const IndexWidth width = value_width(set.orders.size());
+    const std::vector<std::uint32_t> cells = stored_cell_orders(set);
+    const Bytes bytes = pack(cells, width);
+    report_.order_bytes += bytes.size();
+    const std::uint64_t view = editor_.append_view(editor_.append_bytes(order_buffer(), bytes));
+    return editor_.append_accessor(view, 0, width, cells.size());
+  }
+
+  void write_orders(const OrderedPrimitive& entry) {
+    const Mesh& mesh = model_.primitives[entry.primitive].mesh;
+    const WrittenPrimitive& written = written_[entry.primitive];
+    const std::size_t patches = written.base.size();
+    std::vector<std::uint32_t> position(mesh.triangles.size(), 0);
+    for (std::uint32_t i = 0; i < patches; ++i) position[written.base[i]] = i;
+
+    // All orders of a primitive lie in one view, so that a renderer makes one buffer of them.
+    const bool indices = options_.encoding == OrderEncoding::indices;
+    const IndexWidth width = indices ? vertex_index_width(mesh.positions.size())
+                                     : std::max(value_width(2 * patches), IndexWidth::two_bytes);
+    std::vector<std::uint32_t> values;
+    std::vector<std::size_t> ends;
+    for (const NodeSequence& order : entry.orders.orders) {
+      const std::vector<std::uint32_t> stored = stored_values(order, mesh, position, patches);
+      values.insert(values.end(), stored.begin(), stored.end());
+      ends.push_back(values.size());
+    }
+    OrderAccessors accessors;
+    accessors.encoding = options_.encoding;
+    accessors.orders.resize(ends.size());
+    if (!values.empty()) {
+      const std::uint64_t view = append_order_view(values, width);
+      for (std::size_t i = 0; i < ends.size(); ++i) {
+        const std::size_t begin = i == 0 ? 0 : ends[i - 1];
+        if (begin == ends[i]) continue;
+        accessors.orders[i] = editor_.append_accessor(view, begin * bytes_of(width), width, ends[i] - begin);
+      }
+    }
+    accessors.cell_orders = append_cell_orders(entry.orders);
+    editor_.primitive(written.mesh, written.index)["extensions"][kOrderExtension] =
+        order_extension_json(entry.orders, entry.error, options_.direction, accessors);
+    editor_.declare_extension(kOrderExtension);
+  }
+
+  WriteReport write_files() {
+    DocumentFiles files = lay_out(editor_.document(), path_, side_names_);
+    report_.files.push_back(path_);
+    report_.file_bytes = files.main.size();
+    for (const auto& [name, bytes] : files.side_files) {
+      report_.files.push_back(name);
+      report_.file_bytes += bytes.size();
+    }
+
+    // The main file comes last: once it is there, all that it names is there. New side files go when it
+    // fails.
+    std::vector<std::string> created;
+    try {
+      for (const auto& [name, bytes] : files.side_files) {
+        const bool is_new = !fs::exists(name);
+        write_file_atomically(name, bytes);
+        if (is_new) created.push_back(name);
+      }
+      write_file_atomically(path_, files.main);
+    } catch (...) {
+      for (const std::string& name : created) ::unlink(name.c_str());
+      throw;
+    }
+    return std::move(report_);
+  }
+
+  const Model& model_;
+  const std::string& path_;
+  const WriteOptions& options_;
+  std::vector<const OrderedPrimitive*> ordered_;
+  std::vector<WrittenPrimitive> written_;  // one per primitive of the model
+  DocumentEditor editor_;
+  std::vector<std::string> side_names_;  // by buffer; empty: not a side file of ours
+  WriteReport report_;
+};
+
+}  // namespace
+
+WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered,
+                        const std::string& path, const WriteOptions& options) {
+  const std::string extension = fs::path(path).extension().string();
+  if (extension != ".glb" && extension != ".gltf") {
+    throw Error(ErrorKind::bad_argument, path + ": orders are written as .glb or .gltf");
+  }
+  check_orders(model, ordered);
+  try {
+    return ModelWriter(model, ordered, path, options).write();
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::bad_input, model.path + ": malformed glTF: " + error.what());
+  } catch (const fs::filesystem_error& error) {
+    throw Error(ErrorKind::cannot_write, path + ": cannot write: " + error.code().message());
+  }
+}
+
+}  // namespace pellucid

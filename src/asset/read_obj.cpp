@@ -1,0 +1,315 @@
+// OBJ (Wavefront): polygons with positions and normals, one primitive per material; materials' colour and
+// opacity from the MTL files beside it. Texture coordinates, lines, points and free-form surfaces are left
+// out.
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "foreign_model.h"
+#include "obj_material.h"
+#include "readers.h"
+#include "text_cursor.h"
+
+namespace pellucid {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kLargestMaterialFile = std::uint64_t{64} << 20U;
+constexpr std::size_t kMostMaterialFiles = 64;
+constexpr std::size_t kMostMaterials = 65536;
+
+struct Corner {
+  std::uint32_t position = kNone;
+  std::uint32_t normal = kNone;
+};
+
+// The file as it stands, before faces become triangles: they may name vertices that follow later.
+struct ObjFile {
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;
+  std::vector<Corner> corners;
+  struct Face {
+    std::size_t corners_end = 0;
+    std::uint32_t material = 0;  // index into material_names
+  };
+  std::vector<Face> faces;
+  std::vector<std::string> material_names;  // in order of first use
+  std::vector<std::string> libraries;
+  std::set<std::string, std::less<>> objects;
+  std::uint64_t short_faces = 0;
+  std::uint64_t lines_and_points = 0;
+  std::uint64_t free_form = 0;
+};
+
+class ObjParser {
+ public:
+  ObjParser(const std::string& path, std::string_view text) : path_(path), cursor_(path, text, '#') {}
+
+  ObjFile parse() {
+    while (!cursor_.at_end()) {
+      read_statement(cursor_.token_on_line());
+      cursor_.skip_line();
+    }
+    require_in_range(highest_position_, file_.positions.size(), "position");
+    require_in_range(highest_normal_, file_.normals.size(), "normal");
+    if (file_.positions.empty()) {
+      throw Error(ErrorKind::bad_input, path_ + ": not an OBJ file, or one without vertices");
+    }
+    return std::move(file_);
+  }
+
+ private:
+  // The greatest index of any face, and where it stands.
+  struct Highest {
+    std::uint64_t index = 0;
+    std::uint64_t line = 0;
+    bool used = false;
+  };
+
+  void read_statement(std::string_view keyword) {
+    if (keyword == "v") {
+      file_.positions.push_back(read_vector("a coordinate"));
+    } else if (keyword == "vn") {
+      file_.normals.push_back(read_vector("a normal's coordinate"));
+    } else if (keyword == "f" || keyword == "fo") {
+      read_face();
+    } else if (keyword == "usemtl") {
+      material_name_ = cursor_.rest_of_line();
+      material_ = kNone;
+    } else if (keyword == "mtllib") {
+      file_.libraries.emplace_back(cursor_.rest_of_line());
+    } else if (keyword == "o") {
+      file_.objects.emplace(cursor_.rest_of_line());
+    } else if (keyword == "l" || keyword == "p") {
+      ++file_.lines_and_points;
+    } else if (keyword == "surf" || keyword == "curv" || keyword == "curv2") {
+      ++file_.free_form;
+    }
+  }
+
+  float read_number(std::string_view what) {
+    const std::string_view word = cursor_.token_on_line();
+    if (const std::optional<float> value = parse_float(word)) return *value;
+    if (word.empty()) throw cursor_.error("the line ends where " + std::string(what) + " should be");
+    throw cursor_.unexpected(what, word);
+  }
+
+  Vec3f read_vector(std::string_view what) {
+    const float x = read_number(what);
+    const float y = read_number(what);
+    return {x, y, read_number(what)};
+  }
+
+  // Only materials that some face has are counted.
+  std::uint32_t current_material() {
+    if (material_ != kNone) return material_;
+    const auto [entry, is_new] =
+        material_index_.try_emplace(material_name_, static_cast<std::uint32_t>(file_.material_names.size()));
+    if (is_new) file_.material_names.push_back(material_name_);
+    if (file_.material_names.size() > kMostMaterials) {
+      throw cursor_.error("more than " + std::to_string(kMostMaterials) + " materials");
+    }
+    return material_ = entry->second;
+  }
+
+  void read_face() {
+    const std::size_t begin = file_.corners.size();
+    for (std::string_view word = cursor_.token_on_line(); !word.empty(); word = cursor_.token_on_line()) {
+      file_.corners.push_back(parse_corner(word));
+    }
+    if (file_.corners.size() - begin < 3) {
+      file_.corners.resize(begin);
+      ++file_.short_faces;
+    } else {
+      file_.faces.push_back({file_.corners.size(), current_material()});
+    }
+  }
+
+  // "v", "v/t", "v//n" or "v/t/n".
+  Corner parse_corner(std::string_view word) {
+    const std::size_t slash = std::min(word.find('/'), word.size());
+    Corner corner;
+    corner.position = parse_index(word.substr(0, slash), word, file_.positions.size(), highest_position_);
+    if (slash == word.size()) return corner;
+    const std::size_t second = word.find('/', slash + 1);
+    if (second == std::string_view::npos || second + 1 == word.size()) return corner;
+    corner.normal = parse_index(word.substr(second + 1), word, file_.normals.size(), highest_normal_);
+    return corner;
+  }
+
+  // From 1, or negative: counted back from the latest.
+  std::uint32_t parse_index(std::string_view text, std::string_view word, std::size_t count,
+                            Highest& highest) {
+    const std::optional<std::int64_t> value = parse_integer(text);
+    if (!value) throw cursor_.error("expected a face's corner, found " + in_quotes(word));
+    if (*value == 0) throw cursor_.error("index 0 in " + in_quotes(word) + ": indices begin at 1");
+    const std::int64_t index = *value > 0 ? *value - 1 : static_cast<std::int64_t>(count) + *value;
+    if (index < 0 || index >= std::int64_t{kNone}) {
+      throw cursor_.error("index " + std::to_string(*value) + " in " + in_quotes(word) + " is out of range");
+    }
+    const auto result = static_cast<std::uint32_t>(index);
+    if (!highest.used || result > highest.index) highest = {result, cursor_.line(), true};
+    return result;
+  }
+
+  void require_in_range(const Highest& highest, std::size_t count, const std::string& noun) const {
+    if (!highest.used || highest.index < count) return;
+    throw Error(ErrorKind::bad_input, path_ + ": line " + std::to_string(highest.line) + ": index " +
+                                          std::to_string(highest.index + 1) + " is out of range (there are " +
+                                          counted(count, noun) + ")");
+  }
+
+  std::string path_;
+  TextCursor cursor_;
+  ObjFile file_;
+  std::map<std::string, std::uint32_t> material_index_;
+  std::string material_name_;
+  std::uint32_t material_ = kNone;  // its number, once a face has it
+  Highest highest_position_, highest_normal_;
+};
+
+// The mesh of one material. Each pair of position and normal becomes a vertex, by first use.
+class PrimitiveBuilder {
+ public:
+  explicit PrimitiveBuilder(const ObjFile& file) : file_(file) {}
+
+  void add_face(std::span<const Corner> corners) {
+    positions_of_face_.clear();
+    for (const Corner& corner : corners) positions_of_face_.push_back(vertex(corner));
+    triangulate(positions_of_face_, mesh_.positions, mesh_.triangles);
+  }
+
+  // A primitive without normals that uses the whole file keeps the file's own vertex numbers.
+  Mesh finish(bool whole_file) {
+    if (!has_normals_) {
+      mesh_.normals.clear();
+      if (whole_file) restore_vertex_numbers();
+    }
+    repair_normals(mesh_);
+    return std::move(mesh_);
+  }
+
+ private:
+  std::uint32_t vertex(const Corner& corner) {
+    const std::uint64_t key = (std::uint64_t{corner.position} << 32U) | corner.normal;
+    const auto [entry, is_new] =
+        vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
+    if (is_new) {
+      has_normals_ = has_normals_ || corner.normal != kNone;
+      mesh_.positions.push_back(file_.positions[corner.position]);
+      mesh_.normals.push_back(corner.normal == kNone ? Vec3f{} : file_.normals[corner.normal]);
+      source_.push_back(corner.position);
+    }
+    return entry->second;
+  }
+
+  void restore_vertex_numbers() {
+    for (Triangle& t : mesh_.triangles) {
+      for (std::uint32_t& v : t) v = source_[v];
+    }
+    mesh_.positions = file_.positions;
+  }
+
+  const ObjFile& file_;
+  Mesh mesh_;
+  std::vector<std::uint32_t> source_;  // vertex -> position in the file
+  std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
+  std::vector<std::uint32_t> positions_of_face_;
+  bool has_normals_ = false;
+};
+
+using Materials = std::map<std::string, ObjMaterial, std::less<>>;
+
+// Reads one MTL file beside the model; devices and pipes are left alone. False where it cannot be read.
+bool read_library(const std::filesystem::path& path, Materials& materials) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status)) return false;
+  try {
+    parse_materials(text_of(read_file(path.string(), kLargestMaterialFile)), materials);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+// The rest of an mtllib line is one name with blanks, or several names.
+Materials read_libraries(const ObjFile& file, Model& model) {
+  const std::filesystem::path folder = std::filesystem::path(model.path).parent_path();
+  Materials materials;
+  std::set<std::string> seen;
+  for (const std::string& names : file.libraries) {
+    if (seen.size() >= kMostMaterialFiles) break;
+    if (!seen.insert(names).second || read_library(folder / names, materials)) continue;
+    TextCursor words("", names, '\0');
+    while (words.has_more() && seen.size() < kMostMaterialFiles) {
+      const std::string name(words.token());
+      if (name != names && !seen.insert(name).second) continue;
+      if (name == names || !read_library(folder / name, materials)) {
+        model.notes.push_back("material file " + in_quotes(name) + " cannot be read: default colours");
+      }
+    }
+  }
+  return materials;
+}
+
+void add_notes(const ObjFile& file, Model& model) {
+  note_short_faces(file.short_faces, model);
+  if (file.lines_and_points > 0) {
+    model.notes.push_back(counted(file.lines_and_points, "line or point statement") + " left out");
+  }
+  if (file.free_form > 0)
+    model.notes.push_back(counted(file.free_form, "free-form curve or surface") + " left out");
+}
+
+void add_primitives(const ObjFile& file, const Materials& materials, Model& model) {
+  std::vector<PrimitiveBuilder> builders(file.material_names.size(), PrimitiveBuilder(file));
+  std::size_t begin = 0;
+  for (const ObjFile::Face& face : file.faces) {
+    builders[face.material].add_face(std::span(file.corners).subspan(begin, face.corners_end - begin));
+    begin = face.corners_end;
+  }
+
+  const std::string name = file.objects.size() == 1 && !file.objects.begin()->empty() ? *file.objects.begin()
+                                                                                      : file_stem(model.path);
+  for (std::size_t m = 0; m < builders.size(); ++m) {
+    Primitive primitive;
+    primitive.mesh = builders[m].finish(builders.size() == 1);
+    if (primitive.mesh.triangles.empty()) continue;
+    primitive.name = name;
+    primitive.material_name = file.material_names[m];
+    const auto material = materials.find(primitive.material_name);
+    if (material != materials.end()) primitive.base_color = material->second.base_color;
+    add_primitive(model, std::move(primitive));
+  }
+  if (model.primitives.empty()) {
+    Primitive points;
+    points.name = name;
+    points.mesh.positions = file.positions;
+    add_primitive(model, std::move(points));
+  }
+  if (model.primitives.size() == 1) return;
+  for (Primitive& primitive : model.primitives) {
+    primitive.name += '#';
+    primitive.name += std::to_string(primitive.primitive_index);
+    model.instances[primitive.primitive_index].node_name = primitive.name;
+  }
+}
+
+}  // namespace
+
+Model read_obj(const std::string& path, const ReadOptions& options) {
+  const std::vector<std::byte> bytes = read_model_file(path);
+  const ObjFile file = ObjParser(path, text_of(bytes)).parse();
+  require_at_most(file.positions.size(), "vertices", path, options);
+  require_at_most(file.corners.size(), "face corners", path, options);
+
+  Model model = start_model(path, "obj");
+  add_primitives(file, read_libraries(file, model), model);
+  add_notes(file, model);
+  return model;
+}
+
+}  // namespace pellucid

@@ -1,0 +1,115 @@
+// order_quality.cpp - IPR and PSNR of ways of drawing over many viewpoints (In-Depth Buffers, section 7).
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "pellucid/metric.h"
+
+namespace pellucid {
+namespace {
+
+constexpr double kPerfectPsnr = 100;  // dB, for frames without any error
+constexpr std::size_t kDistanceBins = 6;
+
+double psnr_of(const FrameError& frame) {
+  if (frame.squared_error <= 0) return kPerfectPsnr;
+  const double mean = frame.squared_error / (3 * static_cast<double>(frame.foreground));
+  return std::min(kPerfectPsnr, -10 * std::log10(mean));
+}
+
+double thread_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Means over the frames whose viewpoint lies in each of equal ranges of distance; empty ranges are left out.
+std::vector<DistanceError> split_by_distance(std::span<const FrameError> frames,
+                                             std::span<const Viewpoint> viewpoints, double low, double high) {
+  if (!(low < high) || !std::isfinite(high)) return {};
+  struct Sum {
+    double ipr = 0, psnr = 0;
+    std::uint32_t count = 0;
+  };
+  std::array<Sum, kDistanceBins> sums{};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double place = (viewpoints[i].distance - low) / (high - low) * kDistanceBins;
+    Sum& sum = sums[std::min(static_cast<std::size_t>(std::max(place, 0.0)), kDistanceBins - 1)];
+    sum.ipr += frames[i].ipr();
+    sum.psnr += psnr_of(frames[i]);
+    ++sum.count;
+  }
+  std::vector<DistanceError> bins;
+  for (std::size_t k = 0; k < kDistanceBins; ++k) {
+    if (sums[k].count == 0) continue;
+    const double upper = low + (high - low) * static_cast<double>(k + 1) / kDistanceBins;
+    bins.push_back({upper, sums[k].ipr / sums[k].count, sums[k].psnr / sums[k].count});
+  }
+  return bins;
+}
+
+void summarize(MethodQuality& quality, std::span<const Viewpoint> viewpoints, const MeasureOptions& options) {
+  if (quality.frames.empty()) return;
+  quality.psnr_min = kPerfectPsnr;
+  for (const FrameError& frame : quality.frames) {
+    quality.ipr_mean += frame.ipr();
+    quality.ipr_max = std::max(quality.ipr_max, frame.ipr());
+    quality.psnr_mean += psnr_of(frame);
+    quality.psnr_min = std::min(quality.psnr_min, psnr_of(frame));
+  }
+  const auto count = static_cast<double>(quality.frames.size());
+  quality.ipr_mean /= count;
+  quality.psnr_mean /= count;
+  quality.by_distance =
+      split_by_distance(quality.frames, viewpoints, options.min_distance, options.max_distance);
+}
+
+}  // namespace
+
+std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<const DrawingMethod> methods,
+                                                 const MeasureOptions& options) {
+  const std::vector<Viewpoint> viewpoints =
+      random_viewpoints(options.viewpoints, options.min_distance, options.max_distance, options.seed);
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  const RasterOptions raster{options.facing == Facing::single ? Culling::back : Culling::none};
+  Mesh shaded = mesh;
+  if (shaded.normals.size() != shaded.positions.size()) shaded.normals = vertex_normals(mesh);
+
+  std::vector<MethodQuality> qualities(methods.size());
+  std::vector<std::vector<double>> seconds(methods.size(), std::vector<double>(viewpoints.size(), 0));
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    qualities[m].name = methods[m].name;
+    qualities[m].frames.resize(viewpoints.size());
+  }
+
+  begin_stage(options.progress, "measure", viewpoints.size());
+  tbb::enumerable_thread_specific<FragmentBuffer> buffers;
+  tbb::parallel_for(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
+    stop_if_requested(options.progress);
+    FragmentBuffer& buffer = buffers.local();
+    const Camera camera = look_at_sphere(sphere, viewpoints[i], options.size, options.size);
+    rasterize(shaded, camera, raster, buffer);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      std::vector<std::uint32_t> ranks;
+      const double start = thread_cpu_seconds();
+      // Isolated: parallel work in there must not begin another frame on this thread's buffer.
+      tbb::this_task_arena::isolate([&] { ranks = methods[m].ranks(viewpoints[i]); });
+      seconds[m][i] = thread_cpu_seconds() - start;
+      qualities[m].frames[i] = frame_error(shaded, camera, buffer, ranks, options.shading);
+    }
+    advance_stage(options.progress, 1);
+  });
+
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    summarize(qualities[m], viewpoints, options);
+    for (const double s : seconds[m])
+      qualities[m].seconds_per_frame += s / static_cast<double>(viewpoints.size());
+  }
+  return qualities;
+}
+
+}  // namespace pellucid

@@ -1,0 +1,67 @@
+// Scenes with known answers, for the tests of room `metric`.
+#pragma once
+
+#include <algorithm>
+#include <numeric>
+
+#include "pellucid/metric.h"
+
+namespace pellucid::testing {
+
+// Two squares that face +z: a small one in front of the middle of a large one.
+// Triangles 0, 1: the large one, [-0.5, 0.5]^2 at z = 0; 2, 3: the small one, [-0.25, 0.25]^2 at z = 0.25.
+inline Mesh two_quads() {
+  Mesh mesh;
+  const auto add = [&](float half, float z) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(),
+                          {{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+  };
+  add(0.5F, 0.0F);
+  add(0.25F, 0.25F);
+  return mesh;
+}
+
+// Sees [-1, 1]^2 from z = 1 along -z; depth = (1 - z) / 2.
+inline Camera front_camera(std::uint32_t size) {
+  Camera camera;
+  camera.eye = {0, 0, 1};
+  camera.right = {1, 0, 0};
+  camera.up = {0, 1, 0};
+  camera.forward = {0, 0, -1};
+  camera.perspective = false;
+  camera.half_height = 1;
+  camera.near_plane = 0;
+  camera.far_plane = 2;
+  camera.width = camera.height = size;
+  return camera;
+}
+
+inline FragmentBuffer fragments_of(const Mesh& mesh, const Camera& camera) {
+  FragmentBuffer buffer;
+  rasterize(mesh, camera, {}, buffer);
+  return buffer;
+}
+
+inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed) {
+  Random random(seed);
+  Mesh mesh;
+  for (std::size_t i = 0; i < triangles; ++i) {
+    const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
+    const Vec3d middle = random.direction() * random.uniform(0.0, 0.7);
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(to_float(middle + random.direction() * size));
+    mesh.triangles.push_back({corner, corner + 1, corner + 2});
+  }
+  return mesh;
+}
+
+// Both facings of every triangle, in file order.
+inline NodeSequence file_order(const Mesh& mesh) {
+  NodeSequence nodes(2 * mesh.triangles.size());
+  std::iota(nodes.begin(), nodes.end(), 0U);
+  return nodes;
+}
+
+}  // namespace pellucid::testing

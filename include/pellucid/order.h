@@ -52,8 +52,8 @@ struct OrderSet {
   Facing facing = Facing::duplicated;
   std::vector<NodeSequence> orders;
   std::vector<std::uint32_t> cell_orders;  // one per view cell: index into orders
-  // The best single sequence for all views, each triangle exactly once, as stored (never flipped): what a viewer
-  // without the order extension draws, and what is drawn inside valid_from.
+  // The best single sequence for all views, each triangle exactly once, as stored (never flipped), BACK TO FRONT: what a
+  // viewer without the order extension blends correctly most often, and what is drawn outside the valid range.
   std::vector<std::uint32_t> base_sequence;
 };
 

@@ -1,0 +1,331 @@
+// Clustering as in the paper: see acyclic.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 2018,
+// section 3.2. Differs in: pairs once found infeasible are never tried again while both clusters only grow.
+#include "acyclic.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <queue>
+#include <set>
+
+#include "edge_set.h"
+#include "linear_order.h"
+
+namespace pellucid {
+namespace {
+
+struct Cluster {
+  std::vector<std::uint32_t> cells;  // sorted; empty: merged away
+  EdgeSet edges;
+  std::vector<std::uint32_t> ranks;  // topological
+};
+
+class AcyclicClustering {
+ public:
+  AcyclicClustering(const OrderProblem& problem, const OrderOptions& options, OrderStatistics& statistics)
+      : partition_(problem.partition),
+        graph_(problem.graph),
+        options_(options),
+        statistics_(statistics),
+        table_(make_edge_table(problem.graph)),
+        cell_edges_(problem.graph.cells.size()),
+        cluster_of_(problem.graph.cells.size()) {}
+
+  Clustering run() {
+    make_cells();
+    merge_greedily();
+    statistics_.clusters_before_relaxation = static_cast<std::uint32_t>(live_clusters().size());
+    relax();
+    return result();
+  }
+
+ private:
+  // ------------------------------------------------------------------------------------------------ cells
+
+  void make_cells() {
+    const std::size_t count = graph_.cells.size();
+    clusters_.resize(count);
+    std::vector<std::uint64_t> dropped(count, 0);
+    std::vector<double> dropped_weight(count, 0.0);
+    begin_stage(options_.progress, "cells", count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t cell) {
+      stop_if_requested(options_.progress);
+      cell_edges_[cell] = edges_of_cell(table_, graph_.cells[cell]);
+      Cluster& cluster = clusters_[cell];
+      if (!topological_ranks(table_, cell_edges_[cell], cluster.ranks)) {
+        break_cycles(graph_.cells[cell], cell_edges_[cell], dropped[cell], dropped_weight[cell]);
+        topological_ranks(table_, cell_edges_[cell], cluster.ranks);
+      }
+      cluster.cells = {static_cast<std::uint32_t>(cell)};
+      cluster.edges = cell_edges_[cell];
+      cluster_of_[cell] = static_cast<std::uint32_t>(cell);
+      advance_stage(options_.progress, 1);
+    });
+    for (std::size_t cell = 0; cell < count; ++cell) {
+      statistics_.cyclic_cells += dropped[cell] > 0 ? 1U : 0U;
+      statistics_.dropped_edges += dropped[cell];
+      if (graph_.total_weight > 0) statistics_.dropped_weight += dropped_weight[cell] / graph_.total_weight;
+    }
+  }
+
+  // Remove the edges that a good order violates: all cycles go, little weight with them.
+  static void break_cycles(const EdgeRows& cell, EdgeSet& edges, std::uint64_t& dropped, double& dropped_weight) {
+    std::vector<double> keys(cell.node_count(), 0.0);
+    for (NodeId front = 0; front < cell.node_count(); ++front) {
+      for (std::uint32_t i = cell.offsets[front]; i < cell.offsets[front + 1]; ++i) {
+        keys[front] -= static_cast<double>(cell.weights[i]);
+        keys[cell.backs[i]] += static_cast<double>(cell.weights[i]);
+      }
+    }
+    std::vector<std::uint32_t> ranks = ranks_by_key(keys);
+    SiftOptions options;
+    options.sweeps = 30;
+    options.least_gain = 0;
+    sift(net_wishes(cell), options, ranks);
+    EdgeSet kept;
+    kept.rows.push_back(0);
+    for (NodeId front = 0; front < cell.node_count(); ++front) {
+      for (std::uint32_t i = cell.offsets[front]; i < cell.offsets[front + 1]; ++i) {
+        if (ranks[front] < ranks[cell.backs[i]]) {
+          kept.ids.push_back(edges.ids[i]);
+        } else {
+          ++dropped;
+          dropped_weight += static_cast<double>(cell.weights[i]);
+        }
+      }
+      kept.rows.push_back(static_cast<std::uint32_t>(kept.ids.size()));
+    }
+    edges = std::move(kept);
+  }
+
+  // ---------------------------------------------------------------------------------------------- merging
+
+  // Smaller is better.
+  [[nodiscard]] double priority(const EdgeSet& i, const EdgeSet& j) const {
+    const auto common = static_cast<double>(intersection_size(i, j));
+    const double together = static_cast<double>(i.size()) + static_cast<double>(j.size()) - common;
+    switch (options_.priority) {
+      case MergePriority::intersection:
+        return -common;
+      case MergePriority::difference:
+        return together - common;
+      case MergePriority::union_size:
+        break;
+    }
+    return together;
+  }
+
+  struct Candidate {
+    double priority;
+    std::uint32_t a, b;  // a < b
+    bool operator>(const Candidate& other) const {
+      if (priority != other.priority) return priority > other.priority;
+      return a != other.a ? a > other.a : b > other.b;
+    }
+  };
+
+  static std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
+    return {std::min(a, b), std::max(a, b)};
+  }
+
+  void push_candidates(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
+    std::vector<double> priorities(pairs.size());
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+      priorities[i] = priority(clusters_[pairs[i].first].edges, clusters_[pairs[i].second].edges);
+    });
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      candidates_.push({priorities[i], pairs[i].first, pairs[i].second});
+    }
+  }
+
+  void merge_greedily() {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (std::uint32_t cell = 0; cell < partition_.cell_count(); ++cell) {
+      for (const std::uint32_t neighbor : partition_.neighbors_of(cell)) {
+        if (cell < neighbor) pairs.emplace_back(cell, neighbor);
+      }
+    }
+    push_candidates(pairs);
+    begin_stage(options_.progress, "merging", clusters_.size());
+    while (!candidates_.empty()) {
+      stop_if_requested(options_.progress);
+      const Candidate best = candidates_.top();
+      candidates_.pop();
+      // Merged clusters get a new number: entries of the old ones are stale.
+      if (clusters_[best.a].cells.empty() || clusters_[best.b].cells.empty()) continue;
+      if (!try_merge(best.a, best.b)) dead_.insert({best.a, best.b});
+    }
+  }
+
+  bool try_merge(std::uint32_t a, std::uint32_t b) {
+    const bool a_larger = clusters_[a].edges.size() >= clusters_[b].edges.size();
+    const Cluster& large = clusters_[a_larger ? a : b];
+    const Cluster& small = clusters_[a_larger ? b : a];
+    std::vector<std::uint32_t> ranks = large.ranks;
+    if (!extend_ranks(table_, large.edges, small.edges, ranks)) return false;
+
+    Cluster merged;
+    std::merge(large.cells.begin(), large.cells.end(), small.cells.begin(), small.cells.end(),
+               std::back_inserter(merged.cells));
+    merged.edges = unite(large.edges, small.edges);
+    merged.ranks = std::move(ranks);
+    const auto number = static_cast<std::uint32_t>(clusters_.size());
+    for (const std::uint32_t cell : merged.cells) cluster_of_[cell] = number;
+    clusters_[a] = {};
+    clusters_[b] = {};
+    clusters_.push_back(std::move(merged));
+
+    // What could not be merged with a part cannot be merged with the whole.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (const std::uint32_t neighbor : neighbors_of_cluster(number)) {
+      if (dead_.contains(ordered(a, neighbor)) || dead_.contains(ordered(b, neighbor))) {
+        dead_.insert(ordered(number, neighbor));
+      } else {
+        pairs.push_back(ordered(number, neighbor));
+      }
+    }
+    push_candidates(pairs);
+    advance_stage(options_.progress, 1);
+    return true;
+  }
+
+  [[nodiscard]] std::set<std::uint32_t> neighbors_of_cluster(std::uint32_t cluster) const {
+    std::set<std::uint32_t> found;
+    for (const std::uint32_t cell : clusters_[cluster].cells) {
+      for (const std::uint32_t neighbor : partition_.neighbors_of(cell)) {
+        if (cluster_of_[neighbor] != cluster) found.insert(cluster_of_[neighbor]);
+      }
+    }
+    return found;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> live_clusters() const {
+    std::vector<std::uint32_t> live;
+    for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
+      if (!clusters_[c].cells.empty()) live.push_back(c);
+    }
+    return live;
+  }
+
+  // ------------------------------------------------------------------------------------------- relaxation
+
+  // Rounds over all clusters in random order, until several rounds in a row remove none.
+  void relax() {
+    Random random(options_.seed);
+    begin_stage(options_.progress, "relaxation", 0);
+    for (std::uint32_t fruitless = 0; fruitless < options_.fruitless_rounds && live_clusters().size() > 1;) {
+      const std::size_t before = live_clusters().size();
+      std::vector<std::uint32_t> order = live_clusters();
+      for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+      for (const std::uint32_t cluster : order) {
+        if (!clusters_[cluster].cells.empty()) relax_cluster(cluster, random);
+      }
+      ++statistics_.iterations;
+      fruitless = live_clusters().size() < before ? 0 : fruitless + 1;
+    }
+  }
+
+  // Push cells of the 1-ring out to the 2-ring, then the cells of S out to the 1-ring.
+  void relax_cluster(std::uint32_t s, Random& random) {
+    const std::set<std::uint32_t> ring1 = neighbors_of_cluster(s);
+    std::set<std::uint32_t> inner = ring1;
+    inner.insert(s);
+    std::vector<std::uint32_t> ring1_cells;
+    for (const std::uint32_t cluster : ring1) {
+      ring1_cells.insert(ring1_cells.end(), clusters_[cluster].cells.begin(), clusters_[cluster].cells.end());
+    }
+    move_cells(ring1_cells, [&](std::uint32_t target) { return !inner.contains(target); }, random);
+    move_cells(clusters_[s].cells, [&](std::uint32_t target) { return target != s; }, random);
+  }
+
+  // Move cells of the list to neighbouring clusters that `allowed` names, at random, until none can move.
+  template <class Allowed>
+  void move_cells(std::vector<std::uint32_t> cells, const Allowed& allowed, Random& random) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> refused;  // targets only grow here: refused once, refused for good
+    std::sort(cells.begin(), cells.end());
+    for (bool moved = true; moved;) {
+      moved = false;
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> moves;
+      for (const std::uint32_t cell : cells) {
+        std::set<std::uint32_t> targets;
+        for (const std::uint32_t neighbor : partition_.neighbors_of(cell)) {
+          const std::uint32_t target = cluster_of_[neighbor];
+          if (target != cluster_of_[cell] && allowed(target) && !refused.contains({cell, target})) {
+            targets.insert(target);
+          }
+        }
+        for (const std::uint32_t target : targets) moves.emplace_back(cell, target);
+      }
+      for (std::size_t i = moves.size(); i > 1; --i) std::swap(moves[i - 1], moves[random.below(i)]);
+      std::set<std::uint32_t> gone;
+      for (const auto& [cell, target] : moves) {
+        stop_if_requested(options_.progress);
+        if (gone.contains(cell)) continue;
+        if (!try_move(cell, target)) {
+          refused.insert({cell, target});
+          continue;
+        }
+        gone.insert(cell);
+        moved = true;
+      }
+      std::erase_if(cells, [&](std::uint32_t cell) { return gone.contains(cell); });
+    }
+  }
+
+  bool try_move(std::uint32_t cell, std::uint32_t target_number) {
+    refresh(target_number);
+    Cluster& target = clusters_[target_number];
+    if (!extend_ranks(table_, target.edges, cell_edges_[cell], target.ranks)) return false;
+    target.edges = unite(target.edges, cell_edges_[cell]);
+    target.cells.insert(std::lower_bound(target.cells.begin(), target.cells.end(), cell), cell);
+    Cluster& source = clusters_[cluster_of_[cell]];
+    std::erase(source.cells, cell);
+    stale_.insert(cluster_of_[cell]);
+    cluster_of_[cell] = target_number;
+    return true;
+  }
+
+  // A cluster that lost cells keeps edges of theirs until somebody needs to know.
+  void refresh(std::uint32_t cluster) {
+    if (stale_.erase(cluster) == 0) return;
+    std::vector<const EdgeSet*> parts;
+    for (const std::uint32_t cell : clusters_[cluster].cells) parts.push_back(&cell_edges_[cell]);
+    clusters_[cluster].edges = unite_all(table_, parts);
+  }
+
+  Clustering result() {
+    Clustering clustering;
+    clustering.cluster_of.resize(cluster_of_.size());
+    for (const std::uint32_t number : live_clusters()) {
+      for (const std::uint32_t cell : clusters_[number].cells) {
+        clustering.cluster_of[cell] = clustering.cluster_count();
+      }
+      clustering.ranks.push_back(clusters_[number].ranks);
+    }
+    const std::vector<double> costs = violation_table(graph_, clustering.ranks);
+    for (std::size_t cell = 0; cell < clustering.cluster_of.size(); ++cell) {
+      clustering.violated += costs[cell * clustering.cluster_count() + clustering.cluster_of[cell]];
+    }
+    return clustering;
+  }
+
+  const ViewPartition& partition_;
+  const OcclusionGraph& graph_;
+  const OrderOptions& options_;
+  OrderStatistics& statistics_;
+  EdgeTable table_;
+  std::vector<EdgeSet> cell_edges_;
+  std::vector<Cluster> clusters_;  // merged ones are appended; relaxation only moves cells between live ones
+  std::vector<std::uint32_t> cluster_of_;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> dead_;
+  std::set<std::uint32_t> stale_;
+};
+
+}  // namespace
+
+Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options, OrderStatistics& statistics) {
+  return AcyclicClustering(problem, options, statistics).run();
+}
+
+}  // namespace pellucid

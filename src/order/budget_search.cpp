@@ -1,0 +1,122 @@
+// The fewest orders that meet an error: see budget_search.h.
+#include "budget_search.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "upsample.h"
+#include "validation.h"
+
+namespace pellucid {
+namespace {
+
+constexpr std::uint32_t kStarts = 3;          // coarse restarts per number of clusters
+constexpr std::uint32_t kFineRounds = 3;      // rounds on the full mesh
+
+class BudgetSearch {
+ public:
+  BudgetSearch(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options)
+      : coarse_(coarse), fine_(fine), options_(options) {
+    if (!same_mesh()) coarse_nodes_ = nearest_coarse_nodes(*fine.mesh, *coarse.mesh);
+  }
+
+  BudgetResult run() {
+    const std::uint32_t most = std::max(options_.max_buffers, options_.min_buffers);
+    // The coarse mesh says where to look; the full mesh decides.
+    std::uint32_t count = options_.min_buffers;
+    begin_stage(options_.progress, "clustering", 0);
+    while (count < most && error_of(coarse_, solve_coarse(count)) > options_.max_error) ++count;
+
+    BudgetResult best = solve_fine(count);
+    if (best.measured_error <= options_.max_error) {
+      while (count > options_.min_buffers) {
+        BudgetResult fewer = solve_fine(--count);
+        if (fewer.measured_error > options_.max_error) break;
+        best = std::move(fewer);
+      }
+    } else {
+      while (count < most && best.measured_error > options_.max_error) {
+        BudgetResult more = solve_fine(++count);
+        if (more.measured_error < best.measured_error) best = std::move(more);
+      }
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] bool same_mesh() const { return coarse_.mesh == fine_.mesh; }
+
+  const Clustering& solve_coarse(std::uint32_t count) {
+    const auto known = coarse_solutions_.find(count);
+    if (known != coarse_solutions_.end()) return known->second;
+    std::vector<Clustering> trials(kStarts);
+    tbb::parallel_for(std::uint32_t{0}, kStarts, [&](std::uint32_t trial) {
+      stop_if_requested(options_.progress);
+      const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition, count,
+                                            options_.seed * 1000 + trial);
+      trials[trial] = improve_clustering(coarse_.graph, start, {});
+    });
+    const auto best = std::min_element(trials.begin(), trials.end(),
+                                       [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
+    return coarse_solutions_.emplace(count, std::move(*best)).first->second;
+  }
+
+  BudgetResult solve_fine(std::uint32_t count) {
+    stop_if_requested(options_.progress);
+    BudgetResult result;
+    const Clustering& coarse = solve_coarse(count);
+    if (same_mesh()) {
+      result.clustering = coarse;
+    } else {
+      Clustering start;
+      start.cluster_of = coarse.cluster_of;
+      for (std::uint32_t c = 0; c < coarse.cluster_count(); ++c) {
+        start.ranks.push_back(
+            carry_ranks(coarse_, fine_, coarse_nodes_, coarse.ranks[c], cells_of_cluster(coarse.cluster_of, c)));
+      }
+      KMeansOptions options;
+      options.rounds = kFineRounds;
+      options.least_gain = 0.02;
+      options.progress = options_.progress;
+      result.clustering = improve_clustering(fine_.graph, std::move(start), options);
+    }
+    result.measured_error = error_of(fine_, result.clustering);
+    return result;
+  }
+
+  double error_of(const OrderProblem& problem, const Clustering& clustering) const {
+    ValidationOptions options;
+    options.min_distance = std::max(options_.range.from, std::min(2.0, options_.range.to));
+    options.max_distance = std::clamp(5.0, options.min_distance, std::max(options.min_distance, options_.range.to));
+    options.front_only = options_.front_only;
+    options.seed = options_.seed + 0x5EED;
+    options.progress = options_.progress;
+    return measure_incorrect_pixels(*problem.mesh, problem.sphere, problem.partition, clustering.cluster_of,
+                                    clustering.ranks, options);
+  }
+
+  const OrderProblem& coarse_;
+  const OrderProblem& fine_;
+  const BudgetOptions& options_;
+  std::vector<NodeId> coarse_nodes_;
+  std::map<std::uint32_t, Clustering> coarse_solutions_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> carry_ranks(const OrderProblem& coarse, const OrderProblem& fine,
+                                       std::span<const NodeId> coarse_nodes,
+                                       std::span<const std::uint32_t> coarse_ranks,
+                                       std::span<const std::uint32_t> cells) {
+  if (coarse.mesh == fine.mesh) return {coarse_ranks.begin(), coarse_ranks.end()};
+  return ranks_by_key(upsampled_keys(coarse_nodes, coarse_ranks, depth_keys(*fine.mesh, fine.sphere, fine.partition, cells)));
+}
+
+BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options) {
+  return BudgetSearch(coarse, fine, options).run();
+}
+
+}  // namespace pellucid

@@ -1,0 +1,187 @@
+// Linear orders that violate as little weight as possible: see linear_order.h.
+#include "linear_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace pellucid {
+namespace {
+
+// Rows by back node instead of front node; rows come out sorted.
+EdgeRows transposed(const EdgeRows& edges) {
+  EdgeRows out;
+  out.offsets.assign(edges.offsets.size(), 0);
+  for (const NodeId back : edges.backs) ++out.offsets[back + 1];
+  std::partial_sum(out.offsets.begin(), out.offsets.end(), out.offsets.begin());
+  out.backs.resize(edges.backs.size());
+  out.weights.resize(edges.backs.size());
+  std::vector<std::uint32_t> cursor(out.offsets.begin(), out.offsets.end() - 1);
+  for (NodeId front = 0; front < edges.node_count(); ++front) {
+    for (std::uint32_t i = edges.offsets[front]; i < edges.offsets[front + 1]; ++i) {
+      const std::uint32_t slot = cursor[edges.backs[i]]++;
+      out.backs[slot] = front;
+      out.weights[slot] = edges.weights[i];
+    }
+  }
+  return out;
+}
+
+class Sifter {
+ public:
+  Sifter(const PairWishes& wishes, std::vector<std::uint32_t>& ranks)
+      : wishes_(wishes), ranks_(ranks), positions_(ranks.begin(), ranks.end()), sequence_(ranks.size()) {}
+
+  // Give every node, front to back, the best place among its neighbours.
+  void sweep() {
+    for (NodeId node = 0; node < ranks_.size(); ++node) sequence_[ranks_[node]] = node;
+    for (NodeId node = 0; node < ranks_.size(); ++node) positions_[node] = ranks_[node];
+    for (const NodeId node : sequence_) move(node);
+    std::sort(sequence_.begin(), sequence_.end(), [&](NodeId a, NodeId b) {
+      return positions_[a] != positions_[b] ? positions_[a] < positions_[b] : ranks_[a] < ranks_[b];
+    });
+    for (std::uint32_t rank = 0; rank < sequence_.size(); ++rank) ranks_[sequence_[rank]] = rank;
+  }
+
+ private:
+  struct Neighbor {
+    double position;
+    float weight;
+  };
+
+  void move(NodeId node) {
+    const double here = positions_[node];
+    // Only places between the outermost violated neighbours can be better than this one.
+    double first = here;
+    double last = here;
+    const std::uint32_t begin = wishes_.offsets[node];
+    const std::uint32_t end = wishes_.offsets[node + 1];
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const double there = positions_[wishes_.neighbors[i]];
+      if (wishes_.weights[i] > 0) {
+        first = std::min(first, there);
+      } else {
+        last = std::max(last, there);
+      }
+    }
+    if (first == here && last == here) return;
+
+    before_.clear();
+    after_.clear();
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const double there = positions_[wishes_.neighbors[i]];
+      if (there < here && there >= first) before_.push_back({there, wishes_.weights[i]});
+      if (there > here && there <= last) after_.push_back({there, wishes_.weights[i]});
+    }
+    // Moving towards the front past v changes the cost by -weight, towards the back by +weight.
+    std::sort(before_.begin(), before_.end(), [](const Neighbor& a, const Neighbor& b) { return a.position > b.position; });
+    std::sort(after_.begin(), after_.end(), [](const Neighbor& a, const Neighbor& b) { return a.position < b.position; });
+    const Place forward = best_place(before_, -1.0F, first - 1.0);
+    const Place backward = best_place(after_, 1.0F, last + 1.0);
+    if (forward.gain <= 0 && backward.gain <= 0) return;
+    positions_[node] = forward.gain >= backward.gain ? forward.position : backward.position;
+  }
+
+  struct Place {
+    double gain = 0;
+    double position = 0;
+  };
+
+  // Pass the neighbours one by one; the best gap lies between the last one passed and the next (`beyond` after the last).
+  static Place best_place(const std::vector<Neighbor>& passed, float sign, double beyond) {
+    Place best;
+    double gain = 0;
+    for (std::size_t i = 0; i < passed.size(); ++i) {
+      gain -= static_cast<double>(sign * passed[i].weight);
+      if (gain > best.gain) {
+        const double next = i + 1 < passed.size() ? passed[i + 1].position : beyond;
+        best = {gain, 0.5 * (passed[i].position + next)};
+      }
+    }
+    return best;
+  }
+
+  const PairWishes& wishes_;
+  std::vector<std::uint32_t>& ranks_;
+  std::vector<double> positions_;  // ranks, and fractions between them for nodes that moved in this sweep
+  std::vector<NodeId> sequence_;
+  std::vector<Neighbor> before_, after_;
+};
+
+}  // namespace
+
+PairWishes net_wishes(const EdgeRows& edges) {
+  const EdgeRows incoming = transposed(edges);
+  PairWishes wishes;
+  wishes.offsets.reserve(edges.offsets.size());
+  wishes.offsets.push_back(0);
+  const auto add = [&](NodeId neighbor, float weight) {
+    wishes.neighbors.push_back(neighbor);
+    wishes.weights.push_back(weight);
+  };
+  double lighter = 0;
+  for (NodeId node = 0; node < edges.node_count(); ++node) {
+    // Merge the row of what this node hides with the row of what hides it.
+    std::uint32_t out = edges.offsets[node];
+    std::uint32_t in = incoming.offsets[node];
+    const std::uint32_t out_end = edges.offsets[node + 1];
+    const std::uint32_t in_end = incoming.offsets[node + 1];
+    while (out < out_end || in < in_end) {
+      const NodeId out_neighbor = out < out_end ? edges.backs[out] : std::numeric_limits<NodeId>::max();
+      const NodeId in_neighbor = in < in_end ? incoming.backs[in] : std::numeric_limits<NodeId>::max();
+      if (out_neighbor < in_neighbor) {
+        add(out_neighbor, edges.weights[out++]);
+      } else if (in_neighbor < out_neighbor) {
+        add(in_neighbor, -incoming.weights[in++]);
+      } else {
+        const float forward = edges.weights[out++];
+        const float backward = incoming.weights[in++];
+        if (node < out_neighbor) lighter += static_cast<double>(std::min(forward, backward));
+        if (forward != backward) add(out_neighbor, forward - backward);
+      }
+    }
+    wishes.offsets.push_back(static_cast<std::uint32_t>(wishes.neighbors.size()));
+  }
+  wishes.unavoidable = lighter;
+  return wishes;
+}
+
+double violated_weight(const PairWishes& wishes, std::span<const std::uint32_t> ranks) {
+  double sum = 0;
+  for (NodeId node = 0; node + 1 < wishes.offsets.size(); ++node) {
+    for (std::uint32_t i = wishes.offsets[node]; i < wishes.offsets[node + 1]; ++i) {
+      const float weight = wishes.weights[i];
+      if (weight > 0 && ranks[wishes.neighbors[i]] < ranks[node]) sum += static_cast<double>(weight);
+    }
+  }
+  return sum;
+}
+
+double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks) {
+  double best = violated_weight(wishes, ranks);
+  std::vector<std::uint32_t> trial = ranks;
+  Sifter sifter(wishes, trial);
+  for (std::uint32_t sweep = 0; sweep < options.sweeps && best > 0; ++sweep) {
+    sifter.sweep();
+    const double violated = violated_weight(wishes, trial);
+    if (violated >= best) break;
+    const bool worth_another = violated < best * (1.0 - options.least_gain);
+    best = violated;
+    ranks = trial;
+    if (!worth_another) break;
+  }
+  return best;
+}
+
+std::vector<std::uint32_t> ranks_by_key(std::span<const double> keys) {
+  std::vector<NodeId> sequence(keys.size());
+  std::iota(sequence.begin(), sequence.end(), 0U);
+  std::sort(sequence.begin(), sequence.end(),
+            [&](NodeId a, NodeId b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+  std::vector<std::uint32_t> ranks(keys.size());
+  for (std::uint32_t rank = 0; rank < sequence.size(); ++rank) ranks[sequence[rank]] = rank;
+  return ranks;
+}
+
+}  // namespace pellucid

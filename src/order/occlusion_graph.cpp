@@ -1,0 +1,217 @@
+// The occlusion graph of every view cell: see occlusion_graph.h.
+#include "occlusion_graph.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "viewpoint_edges.h"
+
+namespace pellucid {
+namespace {
+
+// Samples are shared between neighbouring cells. Cells are visited in batches of neighbours (their numbering follows
+// the subdivision); a sample's edges are found when the first cell needs them and freed after the last.
+constexpr std::uint32_t kCellsPerBatch = 16;
+
+class GraphBuilder {
+ public:
+  GraphBuilder(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
+               const GraphOptions& options)
+      : scene_{mesh, sphere, unit_positions(mesh, sphere), options.front_only, options.tolerance, options.raster_size},
+        partition_(partition),
+        options_(options),
+        views_per_sample_(options.all_distances ? options.distances.size() : 1),
+        views_(partition.samples.size() * views_per_sample_),
+        uses_left_(partition.samples.size(), 0),
+        scratch_([] { return OcclusionScratch{}; }),
+        accumulators_([n = mesh.triangles.size()] { return RowAccumulator(static_cast<std::uint32_t>(2 * n)); }) {
+    for (const std::uint32_t sample : partition.cell_samples) ++uses_left_[sample];
+  }
+
+  OcclusionGraph build() {
+    OcclusionGraph graph;
+    graph.node_count = static_cast<std::uint32_t>(2 * scene_.mesh.triangles.size());
+    graph.cells.resize(partition_.cell_count());
+    graph.viewpoint_count = views_.size();
+    begin_stage(options_.progress, "occlusion graph", views_.size());
+    std::vector<double> weights(partition_.cell_count());
+    std::vector<double> pruned(partition_.cell_count());
+    for (std::uint32_t begin = 0; begin < partition_.cell_count(); begin += kCellsPerBatch) {
+      const std::uint32_t end = std::min(begin + kCellsPerBatch, partition_.cell_count());
+      find_missing_views(begin, end, graph);
+      tbb::parallel_for(begin, end, [&](std::uint32_t cell) {
+        unite_cell(cell, graph.cells[cell], weights[cell], pruned[cell]);
+      });
+      release_views(begin, end);
+    }
+    graph.total_weight = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const double left_out = std::accumulate(pruned.begin(), pruned.end(), 0.0);
+    graph.pruned_weight = graph.total_weight > 0 ? left_out / graph.total_weight : 0;
+    return graph;
+  }
+
+ private:
+  [[nodiscard]] std::size_t view_index(std::uint32_t sample, std::size_t nth) const {
+    return sample * views_per_sample_ + nth;
+  }
+
+  void find_missing_views(std::uint32_t begin, std::uint32_t end, OcclusionGraph& graph) {
+    std::vector<std::size_t> missing;
+    for (std::uint32_t cell = begin; cell < end; ++cell) {
+      for (const std::uint32_t sample : partition_.samples_of(cell)) {
+        for (std::size_t d = 0; d < views_per_sample_; ++d) {
+          if (views_[view_index(sample, d)].offsets.empty()) missing.push_back(view_index(sample, d));
+        }
+      }
+    }
+    std::sort(missing.begin(), missing.end());
+    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+      stop_if_requested(options_.progress);
+      find_view(missing[i]);
+      advance_stage(options_.progress, 1);
+    });
+    for (const std::size_t view : missing) {
+      graph.viewpoint_edges += views_[view].backs.size();
+      graph.intersecting += views_[view].intersecting;
+    }
+  }
+
+  void find_view(std::size_t view) {
+    // With one view a sample, view numbers are sample numbers: neighbours take turns with the distances.
+    const Viewpoint viewpoint{partition_.samples[view / views_per_sample_],
+                              options_.distances[view % options_.distances.size()]};
+    OcclusionScratch& scratch = scratch_.local();
+    if (options_.source == OcclusionSource::exact) {
+      find_edges_exactly(scene_, viewpoint, scratch, views_[view]);
+    } else {
+      find_edges_by_raster(scene_, viewpoint, scratch, views_[view]);
+    }
+  }
+
+  void unite_cell(std::uint32_t cell, EdgeRows& rows, double& weight, double& pruned) {
+    std::vector<const ViewpointEdges*> views;
+    for (const std::uint32_t sample : partition_.samples_of(cell)) {
+      for (std::size_t d = 0; d < views_per_sample_; ++d) views.push_back(&views_[view_index(sample, d)]);
+    }
+    const float scale = 1.0F / static_cast<float>(views.size());
+    RowAccumulator& accumulator = accumulators_.local();
+    const std::size_t triangle_count = scene_.mesh.triangles.size();
+    rows.offsets.reserve(2 * triangle_count + 1);
+    rows.offsets.push_back(0);
+    for (std::uint32_t t = 0; t < triangle_count; ++t) {
+      for (std::uint8_t facing = 0; facing < 2; ++facing) {
+        for (const ViewpointEdges* view : views) {
+          if (view->front_flipped[t] != facing) continue;
+          const std::uint32_t first = view->offsets[t];
+          const std::uint32_t count = view->offsets[t + 1] - first;
+          accumulator.add({view->backs.data() + first, count}, {view->areas.data() + first, count}, scale);
+        }
+        pruned += accumulator.flush(rows, options_.least_weight);
+      }
+    }
+    rows.backs.shrink_to_fit();
+    rows.weights.shrink_to_fit();
+    weight = pruned + std::accumulate(rows.weights.begin(), rows.weights.end(), 0.0);
+  }
+
+  void release_views(std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t cell = begin; cell < end; ++cell) {
+      for (const std::uint32_t sample : partition_.samples_of(cell)) {
+        if (--uses_left_[sample] > 0) continue;
+        for (std::size_t d = 0; d < views_per_sample_; ++d) views_[view_index(sample, d)] = {};
+      }
+    }
+  }
+
+  OcclusionScene scene_;
+  const ViewPartition& partition_;
+  const GraphOptions& options_;
+  std::size_t views_per_sample_;
+  std::vector<ViewpointEdges> views_;  // by sample and distance; empty before its first use and after its last
+  std::vector<std::uint32_t> uses_left_;
+  tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
+  tbb::enumerable_thread_specific<RowAccumulator> accumulators_;
+};
+
+}  // namespace
+
+void RowAccumulator::sort_touched() {
+  // Long rows come out sorted by walking the marks, short ones sort faster than the marks are walked.
+  if (touched_.size() * 16 < marks_.size()) {
+    std::sort(touched_.begin(), touched_.end());
+    return;
+  }
+  touched_.clear();
+  for (std::uint32_t word = 0; word < marks_.size(); ++word) {
+    for (std::uint64_t bits = marks_[word]; bits != 0; bits &= bits - 1) {
+      touched_.push_back(64 * word + static_cast<NodeId>(std::countr_zero(bits)));
+    }
+  }
+}
+
+double RowAccumulator::flush(EdgeRows& rows, float least) {
+  sort_touched();
+  double left_out = 0;
+  for (const NodeId back : touched_) {
+    const float weight = sums_[back];
+    sums_[back] = 0.0F;
+    marks_[back / 64] = 0;
+    if (weight < least) {
+      left_out += static_cast<double>(weight);
+      continue;
+    }
+    rows.backs.push_back(back);
+    rows.weights.push_back(weight);
+  }
+  touched_.clear();
+  rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
+  return left_out;
+}
+
+OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
+                                     const GraphOptions& options) {
+  return GraphBuilder(mesh, sphere, partition, options).build();
+}
+
+EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells) {
+  // Blocks of rows in parallel, then one after the other.
+  constexpr std::uint32_t kRowsPerBlock = 1024;
+  const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
+  std::vector<EdgeRows> parts(blocks);
+  tbb::enumerable_thread_specific<RowAccumulator> accumulators([&] { return RowAccumulator(graph.node_count); });
+  tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
+    RowAccumulator& accumulator = accumulators.local();
+    const std::uint32_t end = std::min((block + 1) * kRowsPerBlock, graph.node_count);
+    for (NodeId node = block * kRowsPerBlock; node < end; ++node) {
+      for (const std::uint32_t cell : cells) {
+        const EdgeRows& rows = graph.cells[cell];
+        const std::uint32_t first = rows.offsets[node];
+        const std::uint32_t count = rows.offsets[node + 1] - first;
+        accumulator.add({rows.backs.data() + first, count}, {rows.weights.data() + first, count}, 1.0F);
+      }
+      accumulator.flush(parts[block], 0.0F);
+    }
+  });
+  EdgeRows sum;
+  sum.offsets.reserve(graph.node_count + 1);
+  sum.offsets.push_back(0);
+  std::uint64_t edges = 0;
+  for (const EdgeRows& part : parts) edges += part.edge_count();
+  sum.backs.reserve(edges);
+  sum.weights.reserve(edges);
+  for (const EdgeRows& part : parts) {
+    const auto base = static_cast<std::uint32_t>(sum.backs.size());
+    for (const std::uint32_t offset : part.offsets) sum.offsets.push_back(base + offset);
+    sum.backs.insert(sum.backs.end(), part.backs.begin(), part.backs.end());
+    sum.weights.insert(sum.weights.end(), part.weights.begin(), part.weights.end());
+  }
+  return sum;
+}
+
+}  // namespace pellucid

@@ -1,0 +1,85 @@
+// The occlusion graph of every view cell: the union of the edges seen from its samples, weighted.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pellucid/order.h"
+#include "pellucid/view.h"
+
+namespace pellucid {
+
+// Weighted edges front -> back between nodes, in rows by front node. The weight of an edge is the area of the picture
+// (square bounding radii) in which front covers back, averaged over the viewpoints that the graph stands for.
+struct EdgeRows {
+  std::vector<std::uint32_t> offsets;  // nodes + 1
+  std::vector<NodeId> backs;
+  std::vector<float> weights;
+
+  [[nodiscard]] std::uint32_t node_count() const {
+    return static_cast<std::uint32_t>(offsets.empty() ? 0 : offsets.size() - 1);
+  }
+  [[nodiscard]] std::uint64_t edge_count() const { return backs.size(); }
+};
+
+struct OcclusionGraph {
+  std::uint32_t node_count = 0;  // 2 * triangles
+  std::vector<EdgeRows> cells;   // one per view cell; rows sorted by back node
+  std::uint64_t viewpoint_count = 0;
+  std::uint64_t viewpoint_edges = 0;  // summed over viewpoints
+  std::uint64_t intersecting = 0;     // intersecting pairs, summed over viewpoints
+  double total_weight = 0;            // summed over cells
+  double pruned_weight = 0;           // share of total_weight that lay in edges too light to keep
+};
+
+struct GraphOptions {
+  std::vector<double> distances;  // bounding radii
+  // Every sample at every distance; else the samples of a cell take turns, which finds nearly the same edges.
+  bool all_distances = false;
+  double tolerance = 0;
+  // Edges lighter than this (mean square radii) are left out.
+  float least_weight = 0;
+  OcclusionSource source = OcclusionSource::exact;
+  std::uint32_t raster_size = 512;
+  bool front_only = false;
+  Progress* progress = nullptr;
+};
+
+// O(viewpoints * (triangles + pairs)); memory: the cells' edges (8 bytes each) and the edges of the viewpoints of a
+// few cells at a time.
+OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
+                                     const GraphOptions& options);
+
+// Adds up rows of many graphs without sorting keys: a dense accumulator per row (Gustavson's sparse accumulator).
+class RowAccumulator {
+ public:
+  explicit RowAccumulator(std::uint32_t node_count)
+      : sums_(node_count, 0.0F), marks_((std::size_t{node_count} + 63) / 64, 0) {}
+
+  void add(std::span<const NodeId> backs, std::span<const float> weights, float scale) {
+    for (std::size_t i = 0; i < backs.size(); ++i) {
+      const NodeId back = backs[i];
+      sums_[back] += weights[i] * scale;
+      const std::uint64_t bit = std::uint64_t{1} << (back % 64);
+      if ((marks_[back / 64] & bit) == 0) {
+        marks_[back / 64] |= bit;
+        touched_.push_back(back);
+      }
+    }
+  }
+  // Append the row to `rows`, sorted by back node, without entries below `least`, and clear. Returns the weight left out.
+  double flush(EdgeRows& rows, float least);
+
+ private:
+  void sort_touched();
+
+  std::vector<float> sums_;
+  std::vector<std::uint64_t> marks_;  // one bit a node: is it in touched_?
+  std::vector<NodeId> touched_;
+};
+
+// Sum of the graphs of some cells.
+EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells);
+
+}  // namespace pellucid

@@ -1,0 +1,337 @@
+// From a mesh to its in-depth buffers: see pellucid/order.h.
+#include <meshoptimizer.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "acyclic.h"
+#include "budget_search.h"
+#include "order_problem.h"
+#include "pellucid/order.h"
+#include "sequence.h"
+#include "upsample.h"
+
+namespace pellucid {
+namespace {
+
+// The authors' slack for the acyclic method, bounding radii: without one, overlaps that no pixel shows forbid sharing.
+constexpr double kAcyclicTolerance = 0.003;
+// Above this many triangles the occlusion graph of S[2,2] outgrows a workstation: order a simplified mesh and upsample.
+constexpr std::uint32_t kMostDirectTriangles = 60000;
+constexpr std::uint32_t kUpsampleFrom = 20000;
+// Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a pixel of a
+// 1024 x 1024 picture. They are counted (pruned weight) but not kept.
+constexpr float kLeastWeight = 3e-8F;
+// A budget order's edges lighter than this do not bind its vertex-cache sequence: the cell-averaged weight of about half
+// a pixel of a 1024 x 1024 picture, summed over a cluster.
+constexpr float kLeastBindingWeight = 1e-6F;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+double tolerance_of(const OrderOptions& options) {
+  if (options.tolerance >= 0) return options.tolerance;
+  return options.method == OrderMethod::acyclic ? kAcyclicTolerance : 0.0;
+}
+
+void check_options(const Mesh& mesh, const OrderOptions& options) {
+  const auto refuse = [](const std::string& reason) { throw Error(ErrorKind::bad_argument, reason); };
+  if (mesh.triangles.empty()) throw Error(ErrorKind::nothing_to_do, "the mesh has no triangles to order");
+  if (mesh.triangles.size() >= (std::uint64_t{1} << 30U)) refuse("the mesh has more than 2^30 triangles");
+  for (const double distance : options.distances) {
+    if (!(distance > 1.0)) refuse("distances are in bounding radii and must be greater than 1, the sphere itself");
+  }
+  if (!(options.max_error >= 0)) refuse("the largest error must not be negative");
+  if (options.max_buffers == 0 || options.min_buffers == 0) refuse("at least one buffer is needed");
+  if (options.min_buffers > options.max_buffers) refuse("the least number of buffers exceeds the largest");
+  if (options.raster_size == 0 || options.raster_size > 8192) refuse("the raster size must be 1 .. 8192");
+  if (options.tolerance > 1) refuse("the tolerance is in bounding radii and must not exceed 1");
+}
+
+// Which nodes some cell of a cluster can see, within the valid range of distances (never too few).
+std::vector<std::uint8_t> visible_nodes(const OrderProblem& problem, const std::vector<std::uint32_t>& cells,
+                                        const ValidRange& range, Facing facing) {
+  const Mesh& mesh = *problem.mesh;
+  std::vector<std::uint8_t> drawn(2 * mesh.triangles.size(), 0);
+  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()), [&](std::uint32_t t) {
+    const Vec3d normal = triangle_normal(mesh, t);
+    const double offset = dot(normal, to_double(mesh.positions[mesh.triangles[t][0]]) - problem.sphere.center);
+    const auto seen = [&](const Vec3d& n, double o) {
+      return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
+        return front_visible(problem.partition, cell, n, o, problem.sphere.radius, range.from, range.to);
+      });
+    };
+    drawn[node_of(t, false)] = seen(normal, offset) ? 1 : 0;
+    if (facing == Facing::duplicated) drawn[node_of(t, true)] = seen(-normal, -offset) ? 1 : 0;
+  });
+  return drawn;
+}
+
+// Triangles in the order of an unconstrained vertex-cache optimisation: position by triangle.
+std::vector<std::uint32_t> cache_positions(const Mesh& mesh) {
+  std::vector<std::uint32_t> indices;
+  indices.reserve(3 * mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
+  // The optimiser permutes whole triangles but may rotate them: find them again by sorted corners.
+  std::vector<std::uint32_t> optimized(indices.size());
+  meshopt_optimizeVertexCache(optimized.data(), indices.data(), indices.size(), mesh.positions.size());
+  const auto key = [](const std::uint32_t* c) {
+    std::array<std::uint32_t, 3> k{c[0], c[1], c[2]};
+    std::rotate(k.begin(), std::min_element(k.begin(), k.end()), k.end());
+    return k;
+  };
+  const auto sorted = [&](const std::vector<std::uint32_t>& list) {
+    std::vector<std::uint32_t> order(list.size() / 3);
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const auto ka = key(&list[3 * std::size_t{a}]);
+      const auto kb = key(&list[3 * std::size_t{b}]);
+      return ka != kb ? ka < kb : a < b;
+    });
+    return order;
+  };
+  const std::vector<std::uint32_t> before = sorted(indices);
+  const std::vector<std::uint32_t> after = sorted(optimized);
+  std::vector<std::uint32_t> positions(mesh.triangles.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[before[i]] = after[i];
+  return positions;
+}
+
+// The edges between faces as stored, without the flipped twins.
+EdgeRows stored_facings_only(const EdgeRows& edges) {
+  EdgeRows stored;
+  stored.offsets.push_back(0);
+  for (NodeId front = 0; front < edges.node_count(); ++front) {
+    for (std::uint32_t i = edges.offsets[front]; !is_flipped(front) && i < edges.offsets[front + 1]; ++i) {
+      if (is_flipped(edges.backs[i])) continue;
+      stored.backs.push_back(edges.backs[i]);
+      stored.weights.push_back(edges.weights[i]);
+    }
+    stored.offsets.push_back(static_cast<std::uint32_t>(stored.backs.size()));
+  }
+  return stored;
+}
+
+class Orderer {
+ public:
+  Orderer(const Mesh& mesh, const OrderOptions& options) : mesh_(mesh), options_(options) {
+    check_options(mesh, options);
+    if (options_.distances.empty()) options_.distances = default_distances();
+    range_ = valid_range(options_.distances);
+  }
+
+  OrderResult run() {
+    Stopwatch total;
+    Stopwatch stage;
+    const bool upsampling = mesh_.triangles.size() > kMostDirectTriangles;
+    const Mesh simplified = upsampling ? simplify(mesh_, kUpsampleFrom) : Mesh{};
+    const Mesh& ordered = upsampling ? simplified : mesh_;
+
+    // Search on a coarse mesh; a small mesh is its own.
+    const bool has_coarse = ordered.triangles.size() > 2 * kCoarseTriangles;
+    const Mesh coarse_mesh = has_coarse ? simplify(ordered, kCoarseTriangles) : Mesh{};
+    const OrderProblem fine = make_problem(ordered, options_.partition, options_, tolerance_of(options_));
+    PartitionSpec coarse_partition = options_.partition;
+    coarse_partition.sample_level = std::min(coarse_partition.sample_level, 1U);
+    const OrderProblem coarse_own =
+        has_coarse ? make_problem(coarse_mesh, coarse_partition, options_, 0.0) : OrderProblem{};
+    const OrderProblem& coarse = has_coarse ? coarse_own : fine;
+    record_graph(fine.graph);
+    result_.statistics.seconds.graph = stage.lap();
+
+    const Clustering clustering = cluster(coarse, fine);
+    result_.statistics.seconds.cluster = stage.lap();
+
+    begin_stage(options_.progress, "sequences", clustering.cluster_count());
+    result_.orders.orders.resize(clustering.cluster_count());
+    std::vector<NodeId> parents;
+    if (upsampling) parents = nearest_coarse_nodes(mesh_, ordered);
+    for (std::uint32_t c = 0; c < clustering.cluster_count(); ++c) {
+      stop_if_requested(options_.progress);
+      NodeSequence sequence = sequence_cluster(fine, clustering, c);
+      if (upsampling) sequence = upsample_sequence(sequence, parents, cells_of_cluster(clustering.cluster_of, c));
+      result_.orders.orders[c] = std::move(sequence);
+      advance_stage(options_.progress, 1);
+    }
+    write_base_sequence(coarse);
+    finish(clustering);
+    result_.statistics.seconds.sequence = stage.lap();
+    result_.statistics.seconds.total = total.lap();
+    result_.statistics.peak_rss_bytes = peak_rss_bytes();
+    return std::move(result_);
+  }
+
+ private:
+  void record_graph(const OcclusionGraph& graph) {
+    OrderStatistics& statistics = result_.statistics;
+    statistics.triangles = mesh_.triangles.size();
+    statistics.viewpoints = graph.viewpoint_count;
+    statistics.edges_per_viewpoint = graph.viewpoint_count == 0 ? 0 : graph.viewpoint_edges / graph.viewpoint_count;
+    for (const EdgeRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
+    statistics.intersecting_pairs = graph.intersecting;
+  }
+
+  Clustering cluster(const OrderProblem& coarse, const OrderProblem& fine) {
+    if (options_.method == OrderMethod::acyclic) return cluster_acyclically(fine, options_, result_.statistics);
+    BudgetOptions budget;
+    budget.max_error = options_.max_error;
+    budget.min_buffers = options_.min_buffers;
+    budget.max_buffers = options_.max_buffers;
+    budget.front_only = options_.facing == Facing::single;
+    budget.range = range_;
+    budget.seed = options_.seed;
+    budget.progress = options_.progress;
+    BudgetResult found = search_budget(coarse, fine, budget);
+    result_.statistics.measured_error = found.measured_error;
+    result_.statistics.iterations = found.clustering.rounds;
+    return std::move(found.clustering);
+  }
+
+  NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering, std::uint32_t c) const {
+    const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, c);
+    const std::vector<std::uint8_t> drawn = visible_nodes(problem, cells, range_, options_.facing);
+    const std::vector<std::uint32_t>& ranks = clustering.ranks[c];
+    if (options_.cache_size == 0) return rank_sequence(ranks, drawn);
+    const float least = options_.method == OrderMethod::acyclic ? 0.0F : kLeastBindingWeight;
+    const SequenceConstraints constraints = agreeing_edges(sum_cells(problem.graph, cells), ranks, drawn, least);
+    return cache_aware_sequence(*problem.mesh, constraints, ranks, drawn, options_.cache_size);
+  }
+
+  // Replace every node of the simplified mesh by the nodes of the full mesh that lie nearest to it, in cache order.
+  NodeSequence upsample_sequence(const NodeSequence& coarse_sequence, const std::vector<NodeId>& parents,
+                                 const std::vector<std::uint32_t>& cells) {
+    OrderProblem full;
+    full.mesh = &mesh_;
+    full.sphere = bounding_sphere(mesh_);
+    full.partition = make_partition(options_.partition);
+    const std::vector<std::uint8_t> drawn = visible_nodes(full, cells, range_, options_.facing);
+    std::vector<std::uint32_t> coarse_ranks(*std::max_element(parents.begin(), parents.end()) + 2, kNoRank);
+    for (std::uint32_t rank = 0; rank < coarse_sequence.size(); ++rank) {
+      if (coarse_sequence[rank] < coarse_ranks.size()) coarse_ranks[coarse_sequence[rank]] = rank;
+    }
+    if (full_cache_positions_.empty()) full_cache_positions_ = cache_positions(mesh_);
+    NodeSequence sequence;
+    for (NodeId node = 0; node < drawn.size(); ++node) {
+      if (drawn[node] != 0) sequence.push_back(node);
+    }
+    // A facing that can be seen although its parent's cannot goes where the parent's other facing is.
+    const auto rank = [&](NodeId node) {
+      const std::uint32_t own = coarse_ranks[parents[node]];
+      return own != kNoRank ? own : coarse_ranks[parents[node] ^ 1U];
+    };
+    std::sort(sequence.begin(), sequence.end(), [&](NodeId a, NodeId b) {
+      const std::uint32_t ra = rank(a);
+      const std::uint32_t rb = rank(b);
+      if (ra != rb) return ra < rb;
+      const std::uint32_t pa = full_cache_positions_[triangle_of(a)];
+      const std::uint32_t pb = full_cache_positions_[triangle_of(b)];
+      return pa != pb ? pa < pb : a < b;
+    });
+    return sequence;
+  }
+
+  // One order for every view, for viewers that know of no others: back to front over the faces as stored. Runs of
+  // cache-friendly triangles are sorted by the coarse mesh's best single order.
+  void write_base_sequence(const OrderProblem& coarse) {
+    std::vector<std::uint32_t> all_cells(coarse.partition.cell_count());
+    std::iota(all_cells.begin(), all_cells.end(), 0U);
+    const EdgeRows edges = stored_facings_only(sum_cells(coarse.graph, all_cells));
+    std::vector<std::uint32_t> ranks =
+        ranks_by_key(depth_keys(*coarse.mesh, coarse.sphere, coarse.partition, all_cells));
+    sift(net_wishes(edges), {}, ranks);
+
+    std::vector<NodeId> parents(2 * mesh_.triangles.size());
+    if (coarse.mesh == &mesh_) {
+      std::iota(parents.begin(), parents.end(), 0U);
+    } else {
+      parents = nearest_coarse_nodes(mesh_, *coarse.mesh);
+    }
+    const std::vector<std::uint32_t> positions = full_cache_positions_.empty() ? cache_positions(mesh_) : full_cache_positions_;
+    std::vector<std::uint32_t> cache_order(mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < cache_order.size(); ++t) cache_order[positions[t]] = t;
+
+    constexpr std::size_t kRun = 32;  // triangles: long enough to keep the cache warm, short enough to follow the order
+    struct Run {
+      double rank;
+      std::size_t begin, end;
+    };
+    std::vector<Run> runs;
+    for (std::size_t begin = 0; begin < cache_order.size(); begin += kRun) {
+      Run run{0, begin, std::min(begin + kRun, cache_order.size())};
+      for (std::size_t i = run.begin; i < run.end; ++i) run.rank += ranks[parents[2 * std::size_t{cache_order[i]}]];
+      run.rank /= static_cast<double>(run.end - run.begin);
+      runs.push_back(run);
+    }
+    std::stable_sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.rank > b.rank; });
+    for (const Run& run : runs) {
+      result_.orders.base_sequence.insert(result_.orders.base_sequence.end(),
+                                          cache_order.begin() + static_cast<std::ptrdiff_t>(run.begin),
+                                          cache_order.begin() + static_cast<std::ptrdiff_t>(run.end));
+    }
+  }
+
+  void finish(const Clustering& clustering) {
+    OrderSet& set = result_.orders;
+    set.partition = options_.partition;
+    set.sphere = bounding_sphere(mesh_);
+    set.valid_from = range_.from;
+    set.valid_to = range_.to;
+    set.facing = options_.facing;
+    set.cell_orders = clustering.cluster_of;
+  }
+
+  const Mesh& mesh_;
+  OrderOptions options_;
+  ValidRange range_{};
+  OrderResult result_;
+  std::vector<std::uint32_t> full_cache_positions_;
+};
+
+}  // namespace
+
+std::vector<double> default_distances() { return {1.5, 3.0, kInfiniteDistance}; }
+
+ValidRange valid_range(const std::vector<double>& distances) {
+  const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
+  if (*least < *most) return {*least, *most};
+  // One distance: near it. From infinity the view of a finite camera differs by its perspective, 1 / distance.
+  constexpr double kFarEnough = 8;
+  if (std::isinf(*least)) return {kFarEnough, kInfiniteDistance};
+  return {std::max(1.0, 0.75 * *least), 1.5 * *least};
+}
+
+OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,
+                          double tolerance) {
+  OrderProblem problem;
+  problem.mesh = &mesh;
+  problem.sphere = bounding_sphere(mesh);
+  problem.partition = make_partition(partition);
+  GraphOptions graph;
+  graph.distances = options.distances;
+  graph.all_distances = partition.kind == PartitionKind::viewpoints || partition.sample_level == 0;
+  graph.tolerance = tolerance;
+  graph.least_weight = kLeastWeight;
+  graph.source = options.occlusion;
+  graph.raster_size = options.raster_size;
+  graph.front_only = options.facing == Facing::single;
+  graph.progress = options.progress;
+  problem.graph = build_occlusion_graph(mesh, problem.sphere, problem.partition, graph);
+  return problem;
+}
+
+OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) { return Orderer(mesh, options).run(); }
+
+}  // namespace pellucid

@@ -1,0 +1,30 @@
+// One mesh, its view partition and its occlusion graph: what the clustering methods work on.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "occlusion_graph.h"
+#include "pellucid/mesh.h"
+#include "pellucid/order.h"
+#include "pellucid/view.h"
+
+namespace pellucid {
+
+struct OrderProblem {
+  const Mesh* mesh = nullptr;
+  BoundingSphere sphere;
+  ViewPartition partition;
+  OcclusionGraph graph;
+};
+
+OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,
+                          double tolerance);
+
+// Camera distances for which orders sampled at `distances` are declared valid, in bounding radii.
+struct ValidRange {
+  double from, to;
+};
+ValidRange valid_range(const std::vector<double>& distances);
+
+}  // namespace pellucid

@@ -1,0 +1,91 @@
+// What a renderer does with an order set, and the baselines beside it: see pellucid/order.h.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "pellucid/order.h"
+#include "pellucid/runtime/select.h"
+
+namespace pellucid {
+
+std::uint32_t select_order(const OrderSet& set, const Vec3d& direction) {
+  if (set.partition.kind == PartitionKind::sampled_triangles) {
+    const double d[3] = {direction.x, direction.y, direction.z};
+    return set.cell_orders[pellucid_find_triangle(set.partition.level, d)];
+  }
+  return set.cell_orders[find_cell(make_partition(set.partition), direction)];
+}
+
+std::vector<std::uint32_t> ranks_of(std::span<const NodeId> sequence, std::uint64_t triangle_count) {
+  std::vector<std::uint32_t> ranks(2 * triangle_count, kNoRank);
+  for (std::uint32_t rank = 0; rank < sequence.size(); ++rank) ranks[sequence[rank]] = rank;
+  return ranks;
+}
+
+bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks) {
+  // Fragments closer than the tie form a run; within a run any order is right, across runs none may go back.
+  std::uint32_t highest_before = 0;  // highest rank of all earlier runs, plus one
+  std::uint32_t highest_in_run = 0;
+  float run_start = 0;
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const std::uint32_t rank = ranks[fragments[i].node];
+    if (rank == kNoRank) return false;
+    if (i == 0 || fragments[i].depth - run_start > kDepthTie) {
+      highest_before = std::max(highest_before, highest_in_run);
+      run_start = fragments[i].depth;
+    }
+    if (rank + 1 <= highest_before) return false;
+    highest_in_run = std::max(highest_in_run, rank + 1);
+  }
+  return true;
+}
+
+PixelCount count_incorrect_pixels(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks) {
+  PixelCount count;
+  const std::uint64_t pixels = std::uint64_t{fragments.width} * fragments.height;
+  for (std::uint64_t p = 0; p < pixels; ++p) {
+    const std::span<const Fragment> pixel = fragments.pixel(p);
+    if (pixel.empty()) continue;
+    ++count.foreground;
+    if (!pixel_in_order(pixel, ranks)) ++count.incorrect;
+  }
+  return count;
+}
+
+std::vector<std::uint32_t> index_buffer(const Mesh& mesh, std::span<const NodeId> sequence) {
+  std::vector<std::uint32_t> indices;
+  indices.reserve(3 * sequence.size());
+  for (const NodeId node : sequence) {
+    for (const std::uint32_t corner : corners_of(mesh, node)) indices.push_back(corner);
+  }
+  return indices;
+}
+
+NodeSequence centroid_sorted(const Mesh& mesh, const BoundingSphere& sphere, const Viewpoint& viewpoint) {
+  const bool orthographic = std::isinf(viewpoint.distance);
+  const Vec3d eye = orthographic ? Vec3d{} : sphere.center + viewpoint.direction * (viewpoint.distance * sphere.radius);
+  struct Keyed {
+    double distance;
+    NodeId node;
+  };
+  std::vector<Keyed> keyed;
+  keyed.reserve(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3d a = to_double(mesh.positions[mesh.triangles[t][0]]);
+    const Vec3d b = to_double(mesh.positions[mesh.triangles[t][1]]);
+    const Vec3d c = to_double(mesh.positions[mesh.triangles[t][2]]);
+    const Vec3d centroid = (a + b + c) / 3.0;
+    const Vec3d to_eye = orthographic ? viewpoint.direction : eye - centroid;
+    const bool flipped = dot(cross(b - a, c - a), to_eye) < 0;
+    const double distance = orthographic ? -dot(centroid, viewpoint.direction) : dot(to_eye, to_eye);
+    keyed.push_back({distance, node_of(t, flipped)});
+  }
+  std::sort(keyed.begin(), keyed.end(), [](const Keyed& p, const Keyed& q) {
+    return p.distance != q.distance ? p.distance < q.distance : p.node < q.node;
+  });
+  NodeSequence sequence(keyed.size());
+  std::transform(keyed.begin(), keyed.end(), sequence.begin(), [](const Keyed& k) { return k.node; });
+  return sequence;
+}
+
+}  // namespace pellucid

@@ -1,0 +1,27 @@
+// The error of orders as pixels see it, over viewpoints that no cell sampled.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pellucid/mesh.h"
+#include "pellucid/order.h"
+#include "pellucid/view.h"
+
+namespace pellucid {
+
+struct ValidationOptions {
+  std::uint32_t viewpoints = 96;
+  std::uint32_t size = 512;
+  double min_distance = 2, max_distance = 5;
+  bool front_only = false;
+  std::uint64_t seed = 1;
+  const Progress* progress = nullptr;
+};
+
+// Mean share of incorrect foreground pixels (IPR) when every view is drawn in the order of its cell's cluster.
+double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
+                                const std::vector<std::uint32_t>& cluster_of,
+                                const std::vector<std::vector<std::uint32_t>>& ranks, const ValidationOptions& options);
+
+}  // namespace pellucid

@@ -146,6 +146,11 @@ TEST(FrontVisible, PlanesSeenEdgeOnCountAsSeen) {
     EXPECT_TRUE(front_visible(partition, c, outward, 0, 1, 2, 5));
     EXPECT_TRUE(front_visible(partition, c, outward, 0, 1, kInfiniteDistance, kInfiniteDistance));
     EXPECT_FALSE(front_visible(partition, c, outward, 1e-6, 1, 2, 5));
+    // Turned away a little farther: within what a normal's own rounding may be, and clearly beyond it.
+    const Vec3d middle = normalized(a + b);
+    const double far = kInfiniteDistance;
+    EXPECT_TRUE(front_visible(partition, c, normalized(outward - middle * 1e-13), 0, 1, far, far));
+    EXPECT_FALSE(front_visible(partition, c, normalized(outward - middle * 1e-6), 0, 1, far, far));
   }
 }
 

@@ -364,7 +364,8 @@ static inline int pellucid_to_local(const double world[16], const double v[3], d
   out[0] = pellucid_dot(yz, v) / determinant;
   out[1] = pellucid_dot(zx, v) / determinant;
   out[2] = pellucid_dot(xy, v) / determinant;
-  return determinant != 0 && out[0] - out[0] + out[1] - out[1] + out[2] - out[2] == 0;
+  /* A singular matrix divides by zero: infinities or NaN. */
+  return out[0] - out[0] + out[1] - out[1] + out[2] - out[2] == 0;
 }
 
 /* A perspective camera at `camera` (world space). */

@@ -22,6 +22,7 @@ constexpr double kPlotHeight = 240;
 constexpr double kPlotLeft = 56;
 constexpr double kPlotBottom = 34;
 constexpr double kPlotTop = 12;
+constexpr int kSteps = 5;  // axes end at 1, 2 or 5 times a power of ten
 
 using Polygon = std::vector<Vec3d>;
 
@@ -58,7 +59,7 @@ std::string polygon_svg(const Polygon& polygon, const std::string& color) {
     const Polygon visible = clipped(polygon, side);
     if (visible.size() < 3) continue;
     std::string points;
-    for (const Vec3d& v : visible) points += (points.empty() ? "" : " ") + side.point(v);
+    for (const Vec3d& v : visible) points += side.point(v) + ' ';
     // The stroke of the same colour closes hairlines between cells.
     text += fmt::format("<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\"/>", points, color, color);
   }
@@ -164,6 +165,7 @@ double axis_end(double value) {
 
 struct Axes {
   double x0, x1, y1;
+  int x_steps = kSteps;
   [[nodiscard]] double x(double v) const {
     return kPlotLeft + (v - x0) / (x1 - x0) * (kPlotWidth - kPlotLeft - 10);
   }
@@ -179,15 +181,17 @@ std::string percent_tick(double ratio) {
 std::string axes_svg(const Axes& axes, const std::function<std::string(double)>& x_text,
                      const std::function<std::string(double)>& y_text, const std::string& x_title) {
   std::string text;
-  for (int i = 0; i <= 4; ++i) {
-    const double y = axes.y1 * i / 4;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double y = axes.y1 * i / kSteps;
     text += fmt::format(
         "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{:.1f}\" "
         "y=\"{:.1f}\" text-anchor=\"end\">{}</text>",
         kPlotLeft, kPlotWidth - 10, axes.y(y), axes.y(y), kPlotLeft - 6, axes.y(y) + 4, y_text(y));
-    const double x = axes.x0 + (axes.x1 - axes.x0) * i / 4;
+  }
+  for (int i = 0; i <= axes.x_steps; ++i) {
+    const double x = axes.x0 + (axes.x1 - axes.x0) * i / axes.x_steps;
     text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", axes.x(x),
-                        kPlotHeight - kPlotBottom + 16, i == 4 ? "end" : "middle", x_text(x));
+                        kPlotHeight - kPlotBottom + 16, i == axes.x_steps ? "end" : "middle", x_text(x));
   }
   return text + fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" class=\"axis\">{}</text>",
                             (kPlotLeft + kPlotWidth - 10) / 2, kPlotHeight - 2, x_title);
@@ -251,20 +255,16 @@ std::string error_sphere_svg(std::span<const Viewpoint> viewpoints, std::span<co
 }
 
 std::string distance_plot_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames,
-                              std::span<const DistanceError> bins) {
+                              std::span<const DistanceError> bins, double nearest, double farthest) {
   const std::size_t count = std::min(viewpoints.size(), frames.size());
-  double nearest = kInfiniteDistance;
-  double farthest = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    nearest = std::min(nearest, viewpoints[i].distance);
-    farthest = std::max(farthest, viewpoints[i].distance);
-  }
-  if (!bins.empty()) farthest = std::max(farthest, bins.back().distance);
   if (!(farthest > nearest)) {
-    nearest = farthest - 0.5;
+    nearest -= 0.5;
     farthest += 0.5;
   }
-  const Axes axes{nearest, farthest, axis_end(worst_ipr(frames))};
+  const double range = farthest - nearest;
+  const bool halves = range <= 5 && std::abs(2 * range - std::round(2 * range)) < 1e-9;
+  const Axes axes{nearest, farthest, axis_end(worst_ipr(frames)),
+                  halves ? static_cast<int>(std::lround(2 * range)) : kSteps};
   std::string content = axes_svg(
       axes, [](double v) { return fmt::format("{:.1f}", v); }, percent_tick,
       "camera distance, bounding radii");

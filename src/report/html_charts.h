@@ -19,7 +19,7 @@ std::string error_sphere_svg(std::span<const Viewpoint> viewpoints, std::span<co
 
 // Wrong pixels of every viewpoint over its distance, and the mean of each distance bin as steps.
 std::string distance_plot_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames,
-                              std::span<const DistanceError> bins);
+                              std::span<const DistanceError> bins, double nearest, double farthest);
 
 // How many viewpoints have how many wrong pixels.
 std::string histogram_svg(std::span<const FrameError> frames);

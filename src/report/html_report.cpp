@@ -192,7 +192,8 @@ std::string error_section(const HtmlReportInput& input, const PrimitiveMeasureRe
          error_sphere_svg(viewpoints, quality.frames) +
          "<p class=\"note\">Smoothed between the measured viewpoints (dots).</p></div></div>"
          "<div class=\"pair\"><div><h3>Wrong pixels by distance</h3>" +
-         distance_plot_svg(viewpoints, quality.frames, quality.by_distance) +
+         distance_plot_svg(viewpoints, quality.frames, quality.by_distance, settings.min_distance,
+                           settings.max_distance) +
          "<p class=\"note\">One dot per viewpoint; the line is the mean of each bin.</p></div><div><h3>How "
          "many "
          "viewpoints have how many</h3>" +

@@ -1,0 +1,92 @@
+// pellucid measure: table, JSON, report, several files.
+#include <gtest/gtest.h>
+
+#include "cli/command_line.h"
+
+namespace pellucid::testing {
+namespace {
+
+Arguments quick_measure(const Arguments& files, const Arguments& more = {}) {
+  Arguments arguments{"measure", "--views", "6", "--size", "64"};
+  arguments.insert(arguments.begin() + 1, files.begin(), files.end());
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(MeasureCommand, WritesTheKeysOfTheContract) {
+  const Finished done =
+      run_pellucid(quick_measure({samples().ordered}, {"--original", samples().plain, "--json", "-"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err, "");
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  for (const char* key : {"schema", "input", "ipr", "psnr", "by_distance", "acmr", "atvr", "overdraw",
+                          "viewpoints", "size", "orders"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  for (const char* name : {"ordered", "original", "base", "cache_optimized", "centroid_sort"}) {
+    EXPECT_TRUE(json["orders"].contains(name)) << name;
+  }
+  EXPECT_EQ(json["viewpoints"], 6);
+  EXPECT_EQ(json["size"], 64);
+}
+
+TEST(MeasureCommand, PutsSeveralFilesSideBySide) {
+  const TemporaryFolder folder;
+  const std::string other = folder.file("ordered.glb");  // the same stem: labels must differ
+  ASSERT_EQ(run_pellucid(quick_order(samples().plain, other, {"--no-bake-base"})).code, 0);
+  const Finished done =
+      run_pellucid(quick_measure({samples().ordered, other}, {"--json", "-", "--no-baselines"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  EXPECT_EQ(json["orders"].size(), 2U);
+  EXPECT_TRUE(json["orders"].contains("ordered-2"));
+}
+
+TEST(MeasureCommand, MeasuresAFileWithoutOrdersByItself) {
+  const Finished done = run_pellucid(quick_measure({samples().plain}, {"--json", "-"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  EXPECT_TRUE(json["orders"].contains("original"));
+  EXPECT_FALSE(json["orders"].contains("base"));
+}
+
+TEST(MeasureCommand, SameNumbersForAnyNumberOfThreads) {
+  const auto measure = [](const char* threads) {
+    const Finished done = run_pellucid(
+        quick_measure({samples().ordered}, {"--json", "-", "--threads", threads, "--no-baselines"}));
+    nlohmann::json json = nlohmann::json::parse(done.out);
+    json.erase("seconds");
+    return json;
+  };
+  EXPECT_EQ(measure("1"), measure("2"));
+}
+
+TEST(MeasureCommand, WritesOneSelfContainedPage) {
+  const TemporaryFolder folder;
+  const std::string page = folder.file("report.html");
+  const Finished done =
+      run_pellucid(quick_measure({samples().ordered}, {"--original", samples().plain, "--report", page}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const std::string html = slurp(page);
+  EXPECT_EQ(html.find("http"), std::string::npos);
+  EXPECT_NE(html.find("data:image/png;base64,iVBOR"), std::string::npos);
+  EXPECT_EQ(folder.files().size(), 1U);
+}
+
+TEST(MeasureCommand, ReportNeedsOrders) {
+  const TemporaryFolder folder;
+  const Finished done = run_pellucid(quick_measure({samples().plain}, {"--report", folder.file("r.html")}));
+  EXPECT_EQ(done.code, 4) << done.err;
+  EXPECT_TRUE(folder.files().empty());
+}
+
+TEST(MeasureCommand, RefusesDistancesThatMakeNoSense) {
+  for (const char* distances : {"5,2", "0.5,2", "2", "2,inf", "a,b", "2,5x"}) {
+    const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--distances", distances}));
+    EXPECT_EQ(done.code, 2) << distances << ": " << done.err;
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+  }
+}
+
+}  // namespace
+}  // namespace pellucid::testing

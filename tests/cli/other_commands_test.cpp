@@ -1,0 +1,95 @@
+// pellucid inspect, render, sample, techniques.
+#include <gtest/gtest.h>
+
+#include "cli/command_line.h"
+
+namespace pellucid::testing {
+namespace {
+
+TEST(RenderCommand, DrawsEveryKindOfPicture) {
+  const TemporaryFolder folder;
+  for (const char* order : {"exact", "buffers", "original", "centroid", "error"}) {
+    for (const char* shading : {"lit", "depth"}) {
+      const std::string png = folder.file("p.png");
+      const Finished done = run_pellucid({"render", samples().ordered, "-o", png, "--order", order,
+                                          "--shading", shading, "--size", "96x64"});
+      ASSERT_EQ(done.code, 0) << done.err;
+      EXPECT_EQ(slurp(png).substr(0, 8), "\x89PNG\r\n\x1a\n") << order;
+      EXPECT_NE(done.out.find("96x64"), std::string::npos);
+    }
+  }
+}
+
+TEST(RenderCommand, ExactPicturesHaveNoWrongPixels) {
+  const TemporaryFolder folder;
+  const auto wrong = [&](const std::string& order) {
+    const Finished done =
+        run_pellucid({"render", samples().ordered, "-o", folder.file("p.png"), "--order", order, "--size",
+                      "128x128", "--json", "-", "--camera", "orbit:40,25,inf"});
+    return nlohmann::json::parse(done.out);
+  };
+  EXPECT_EQ(wrong("exact")["ipr"], 0.0);
+  EXPECT_GT(wrong("exact")["covered_pixels"].get<int>(), 100);
+  EXPECT_LE(wrong("buffers")["ipr"].get<double>(), wrong("original")["ipr"].get<double>());
+}
+
+TEST(RenderCommand, RefusesWhatItCannotDraw) {
+  const TemporaryFolder folder;
+  const std::string png = folder.file("p.png");
+  EXPECT_EQ(run_pellucid({"render", samples().plain, "-o", png, "--order", "buffers"}).code, 4);
+  for (const Arguments& bad :
+       {Arguments{"--size", "0x5"}, Arguments{"--size", "12"}, Arguments{"--camera", "1,2"},
+        Arguments{"--camera", "1,2,0.5"}, Arguments{"--camera", "inf,2,3"}, Arguments{"--technique", "dual"},
+        Arguments{"--order", "random"}, Arguments{"--alpha", "2"}}) {
+    Arguments arguments{"render", samples().plain, "-o", png};
+    arguments.insert(arguments.end(), bad.begin(), bad.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 2) << bad[0] << " " << bad[1] << ": " << done.err;
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+  }
+  EXPECT_TRUE(folder.files().empty());
+}
+
+TEST(SampleCommand, EveryListedSampleCanBeMade) {
+  const TemporaryFolder folder;
+  const Finished list = run_pellucid({"sample", "--list", "--json", "-"});
+  const nlohmann::json json = nlohmann::json::parse(list.out);
+  EXPECT_GE(json["samples"].size(), 5U);
+  for (const auto& sample : json["samples"]) {
+    const std::string name = sample["name"];
+    const std::string out = folder.file(name + ".glb");
+    EXPECT_EQ(run_pellucid({"sample", name, "-o", out, "--detail", "0.2"}).code, 0) << name;
+    EXPECT_EQ(run_pellucid({"inspect", out}).code, 0) << name;
+  }
+}
+
+TEST(SampleCommand, NamesTheKnownOnesWhenItDoesNotKnowOne) {
+  const TemporaryFolder folder;
+  const Finished done = run_pellucid({"sample", "teacup", "-o", folder.file("t.glb")});
+  EXPECT_EQ(done.code, 2);
+  EXPECT_NE(done.err.find("goblet"), std::string::npos) << done.err;
+  EXPECT_EQ(run_pellucid({"sample"}).code, 2);
+  EXPECT_EQ(run_pellucid({"sample", "goblet"}).code, 2);
+}
+
+TEST(TechniquesCommand, ListsWhatIsThere) {
+  const nlohmann::json json = nlohmann::json::parse(run_pellucid({"techniques", "--json", "-"}).out);
+  ASSERT_EQ(json["techniques"].size(), 1U);
+  const nlohmann::json& cpu = json["techniques"][0];
+  for (const char* key :
+       {"name", "paper", "exact", "available", "missing", "passes_formula", "bytes_formula", "msaa"}) {
+    EXPECT_TRUE(cpu.contains(key)) << key;
+  }
+  EXPECT_EQ(cpu["name"], "cpu");
+}
+
+TEST(InspectCommand, TellsWhatIsInAFile) {
+  const Finished plain = run_pellucid({"inspect", samples().plain});
+  EXPECT_EQ(plain.code, 0);
+  EXPECT_NE(plain.out.find("BLEND"), std::string::npos);
+  EXPECT_EQ(plain.out.find("orders over"), std::string::npos);
+  EXPECT_NE(run_pellucid({"inspect", samples().ordered}).out.find("2 orders over S0,1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pellucid::testing

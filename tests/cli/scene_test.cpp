@@ -1,0 +1,200 @@
+// The parts of the command line that are functions: cleaned orders, selections, scenes.
+#include "scene.h"
+
+#include <gtest/gtest.h>
+
+#include "cleaned.h"
+#include "selection.h"
+
+namespace pellucid::cli {
+namespace {
+
+Mesh tetrahedron() {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return mesh;
+}
+
+Primitive blend_primitive(const std::string& name) {
+  Primitive primitive;
+  primitive.name = name;
+  primitive.mesh = tetrahedron();
+  return primitive;
+}
+
+TEST(Cleaned, LiftAndRestrictAreInverse) {
+  OrderSet orders;
+  orders.orders = {{node_of(0, false), node_of(1, true), node_of(2, false)}};
+  orders.base_sequence = {2, 0, 1};
+  const std::vector<std::uint32_t> source{1, 4, 5};  // the file has 6 triangles
+  const OrderSet lifted = lift_orders(orders, source);
+  EXPECT_EQ(lifted.orders[0], (NodeSequence{node_of(1, false), node_of(4, true), node_of(5, false)}));
+  EXPECT_EQ(lifted.base_sequence, (std::vector<std::uint32_t>{5, 1, 4}));
+  const OrderSet back = restrict_orders(lifted, source, 6);
+  EXPECT_EQ(back.orders, orders.orders);
+  EXPECT_EQ(back.base_sequence, orders.base_sequence);
+  // Triangle 4 is gone: so are its nodes.
+  const OrderSet fewer = restrict_orders(lifted, std::vector<std::uint32_t>{1, 5}, 6);
+  EXPECT_EQ(fewer.orders[0], (NodeSequence{node_of(0, false), node_of(1, false)}));
+}
+
+TEST(Cleaned, CompactedKeepsCornersAndNormals) {
+  Mesh mesh = tetrahedron();
+  mesh.normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}};
+  mesh.triangles = {{3, 1, 2}};
+  const Mesh compact = compacted(mesh);
+  ASSERT_EQ(compact.positions.size(), 3U);
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto c = static_cast<std::size_t>(corner);
+    EXPECT_EQ(compact.positions[compact.triangles[0][c]], mesh.positions[mesh.triangles[0][c]]);
+    EXPECT_EQ(compact.normals[compact.triangles[0][c]], mesh.normals[mesh.triangles[0][c]]);
+  }
+}
+
+TEST(Selection, BlendPrimitivesOfAGltfUnlessAskedForMore) {
+  Model model;
+  model.path = "m.glb";
+  model.format = "glb";
+  model.primitives = {blend_primitive("glass"), blend_primitive("table"), blend_primitive("flag"),
+                      blend_primitive("lines")};
+  model.primitives[1].alpha_mode = AlphaMode::opaque;
+  model.primitives[1].material_name = "wood";
+  model.primitives[2].deforms = true;
+  model.primitives[3].triangles = false;
+  const Selection blend = select_primitives(model, {});
+  EXPECT_EQ(blend.primitives, (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(blend.notes.size(), 3U);
+  EXPECT_EQ(select_primitives(model, {true, ""}).primitives, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(select_primitives(model, {false, "wood"}).primitives, (std::vector<std::uint32_t>{1}));
+  EXPECT_THROW(select_primitives(model, {false, "steel"}), Error);
+}
+
+TEST(Selection, AllWhenNothingIsBlend) {
+  Model model;
+  model.format = "gltf";
+  model.primitives = {blend_primitive("a"), blend_primitive("b")};
+  for (Primitive& primitive : model.primitives) primitive.alpha_mode = AlphaMode::mask;
+  const Selection all = select_primitives(model, {});
+  EXPECT_EQ(all.primitives.size(), 2U);
+  EXPECT_EQ(all.notes.size(), 1U);
+}
+
+TEST(Selection, NothingToDoSaysWhy) {
+  Model model;
+  model.format = "glb";
+  model.primitives = {blend_primitive("flag")};
+  model.primitives[0].deforms = true;
+  try {
+    select_primitives(model, {});
+    FAIL() << "nothing can be ordered";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::nothing_to_do);
+    EXPECT_NE(std::string(error.what()).find("skinned"), std::string::npos);
+  }
+}
+
+// World matrix: a diagonal and a shift.
+Mat4 placed(double sx, double sy, double sz, const Vec3d& shift) {
+  Mat4 m;
+  m.m = {sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, sz, 0, shift.x, shift.y, shift.z, 1};
+  return m;
+}
+
+TEST(Scene, MirroredInstancesKeepTheirOutside) {
+  Model model;
+  model.format = "obj";
+  model.primitives = {blend_primitive("tetrahedron")};
+  model.instances = {{"a", 0, placed(1, 1, 1, {})}, {"b", 0, placed(-2, 1, 1, {5, 0, 0})}};
+  const Scene scene = make_scene(model);
+  ASSERT_EQ(scene.mesh.triangles.size(), 8U);
+  // Outward normals point away from the middle of their object.
+  for (std::uint32_t t = 0; t < 8; ++t) {
+    Vec3d middle;
+    const std::uint32_t first = t < 4 ? 0 : 4;
+    for (std::uint32_t v = first; v < first + 4; ++v) middle += to_double(scene.mesh.positions[v]) / 4.0;
+    const Vec3d corner = to_double(scene.mesh.positions[scene.mesh.triangles[t][0]]);
+    EXPECT_GT(dot(triangle_normal(scene.mesh, t), corner - middle), 0.0) << t;
+  }
+}
+
+TEST(Scene, NearerObjectsComeFirst) {
+  Model model;
+  model.format = "obj";
+  model.primitives = {blend_primitive("tetrahedron")};
+  model.instances = {{"far", 0, placed(1, 1, 1, {0, 0, -8})}, {"near", 0, placed(1, 1, 1, {0, 0, 8})}};
+  const Scene scene = make_scene(model);
+  for (const double distance : {4.0, kInfiniteDistance}) {
+    const Viewpoint view{{0, 0, 1}, distance};
+    const Camera camera = look_at_sphere(scene.sphere, view, 32, 32);
+    const std::vector<std::uint32_t> ranks = scene_ranks(scene, DrawOrder::original, camera, view);
+    for (std::uint32_t near_node = 8; near_node < 16; ++near_node) {
+      for (std::uint32_t far_node = 0; far_node < 8; ++far_node) EXPECT_LT(ranks[near_node], ranks[far_node]);
+    }
+  }
+}
+
+TEST(Scene, EveryInstanceChoosesItsOrderInItsOwnSpace) {
+  Model model;
+  model.format = "obj";
+  Primitive primitive = blend_primitive("tetrahedron");
+  OrderSet orders;
+  orders.partition = parse_partition("S0,0");
+  orders.sphere = bounding_sphere(primitive.mesh);
+  for (std::uint32_t cell = 0; cell < 20; ++cell) {
+    NodeSequence sequence{0, 1, 2, 3, 4, 5, 6, 7};
+    std::rotate(sequence.begin(), sequence.begin() + cell % 8, sequence.end());
+    orders.orders.push_back(sequence);
+    orders.cell_orders.push_back(cell);
+  }
+  primitive.orders = orders;
+  model.primitives = {primitive};
+  // Half a turn about Y, twice as large.
+  Mat4 turned = placed(-2, 2, -2, {1, 2, 3});
+  model.instances = {{"turned", 0, turned}};
+  const Scene scene = make_scene(model);
+  const Viewpoint view{normalized(Vec3d{0.3, 0.2, 0.9}), kInfiniteDistance};
+  const Camera camera = look_at_sphere(scene.sphere, view, 32, 32);
+  const std::uint32_t expected =
+      select_order(orders, {-view.direction.x, view.direction.y, -view.direction.z});
+  EXPECT_EQ(scene_ranks(scene, DrawOrder::buffers, camera, view), ranks_of(orders.orders[expected], 4));
+}
+
+TEST(Scene, SingleSidedPrimitivesHaveNoBackFaces) {
+  Model model;
+  model.format = "glb";
+  model.primitives = {blend_primitive("tetrahedron")};
+  model.instances = {{"a", 0, {}}};
+  const Camera camera = look_at_sphere(make_scene(model).sphere, {{0, 0, 1}, 3}, 64, 64);
+  const std::size_t both = scene_fragments(make_scene(model), camera).fragments.size();
+  model.primitives[0].double_sided = false;
+  const FragmentBuffer front = scene_fragments(make_scene(model), camera);
+  EXPECT_LT(front.fragments.size(), both);
+  EXPECT_EQ(front.offsets.back(), front.fragments.size());
+  for (const Fragment& fragment : front.fragments) EXPECT_EQ(fragment.node % 2, 0U);
+}
+
+TEST(Scene, RefusesWorldMatricesWithoutInverse) {
+  Model model;
+  model.format = "glb";
+  model.primitives = {blend_primitive("tetrahedron")};
+  model.instances = {{"flat", 0, placed(1, 0, 1, {})}};
+  EXPECT_THROW(make_scene(model), Error);
+  model.instances.clear();
+  EXPECT_THROW(make_scene(model), Error);
+}
+
+TEST(Scene, CamerasAreParsed) {
+  const Viewpoint front = parse_camera("0,0,3");
+  EXPECT_NEAR(front.direction.z, 1, 1e-12);
+  EXPECT_EQ(front.distance, 3);
+  EXPECT_NEAR(parse_camera("orbit:90,0,2").direction.x, 1, 1e-12);
+  EXPECT_NEAR(parse_camera("0,90,inf").direction.y, 1, 1e-12);
+  EXPECT_TRUE(std::isinf(parse_camera("0,90,inf").distance));
+  for (const char* bad : {"", "1,2", "1,2,x", "1,2,3,4", "nan,0,3", "1,inf,3", "1,2,1", "1,2,nan"}) {
+    EXPECT_THROW(parse_camera(bad), Error) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace pellucid::cli

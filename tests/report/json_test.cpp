@@ -1,0 +1,111 @@
+// The keys of the machine-readable output are a contract.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pellucid/report.h"
+#include "report/handmade.h"
+
+namespace pellucid {
+namespace {
+
+using Json = nlohmann::json;
+
+void expect_keys(const Json& json, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) EXPECT_TRUE(json.contains(key)) << key;
+}
+
+OrderReport order_report() {
+  OrderReport report;
+  report.input = "in.ply";
+  report.output = "out.glb";
+  report.method = "budget";
+  report.views = "S2,2";
+  report.seed = 7;
+  report.distances = {1.5, kInfiniteDistance};
+  for (std::uint32_t k = 0; k < 2; ++k) {
+    PrimitiveOrderReport primitive;
+    primitive.name = "part";
+    primitive.primitive = k;
+    primitive.triangles = 100 * (k + 1);
+    primitive.vertices = 50;
+    primitive.buffers.assign(k + 1, {10, 7, 0.7, 1.1});
+    primitive.memory_bytes = 60;
+    primitive.statistics.dropped_edges = 3;
+    primitive.statistics.dropped_weight = k == 0 ? 0.3 : 0.0;
+    primitive.statistics.seconds.graph = 0.5;
+    report.primitives.push_back(primitive);
+  }
+  return report;
+}
+
+TEST(JsonContract, Order) {
+  const Json json = Json::parse(to_json(order_report()));
+  expect_keys(
+      json, {"schema", "input", "triangles", "vertices", "method", "views", "seed", "buffer_count", "buffers",
+             "memory_bytes", "disk_bytes", "dropped_edges", "cyclic_cells", "seconds", "peak_rss_bytes"});
+  expect_keys(json["buffers"][0], {"triangles", "acmr", "acmr_drawn", "misses"});
+  expect_keys(json["dropped_edges"], {"count", "weight"});
+  expect_keys(json["seconds"], {"total", "read", "graph", "cluster", "sequence", "write"});
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["triangles"], 300);
+  EXPECT_EQ(json["buffer_count"], 3);
+  EXPECT_EQ(json["memory_bytes"], 120);
+  EXPECT_EQ(json["dropped_edges"]["count"], 6);
+  EXPECT_NEAR(json["dropped_edges"]["weight"].get<double>(), 0.1, 1e-12);
+  EXPECT_DOUBLE_EQ(json["seconds"]["graph"].get<double>(), 1.0);
+  EXPECT_EQ(json["distances"][1], "inf");
+}
+
+TEST(JsonContract, Measure) {
+  const Json json = Json::parse(to_json(testing::measured("quad")));
+  expect_keys(json, {"schema", "input", "ipr", "psnr", "by_distance", "acmr", "atvr", "overdraw",
+                     "viewpoints", "size", "orders"});
+  expect_keys(json["ipr"], {"mean", "max"});
+  expect_keys(json["psnr"], {"mean", "min"});
+  expect_keys(json["by_distance"][0], {"distance", "ipr", "psnr"});
+  expect_keys(json["orders"], {"a", "original", "centroid_sort"});
+  EXPECT_DOUBLE_EQ(json["ipr"]["mean"].get<double>(), 0.01);
+  EXPECT_DOUBLE_EQ(json["orders"]["original"]["ipr"]["mean"].get<double>(), 0.25);
+}
+
+TEST(JsonContract, SeveralPrimitivesArePooled) {
+  MeasureReport report = testing::measured("one");
+  report.primitives.push_back(report.primitives.front());
+  report.primitives[1].methods[0].quality.ipr_mean = 0.03;
+  report.primitives[1].methods[0].quality.ipr_max = 0.5;
+  report.primitives[1].methods[0].quality.psnr_min = 12;
+  const Json json = Json::parse(to_json(report));
+  EXPECT_DOUBLE_EQ(json["ipr"]["mean"].get<double>(), 0.02);
+  EXPECT_DOUBLE_EQ(json["ipr"]["max"].get<double>(), 0.5);
+  EXPECT_DOUBLE_EQ(json["psnr"]["min"].get<double>(), 12);
+  EXPECT_EQ(json["buffer_count"], 4);
+  EXPECT_EQ(json["primitives"].size(), 2U);
+}
+
+TEST(JsonContract, NamesThatAreNotUtf8DoNotBreakIt) {
+  OrderReport report = order_report();
+  report.primitives[0].name = "bad \xff name";
+  EXPECT_TRUE(Json::accept(to_json(report)));
+}
+
+TEST(JsonContract, Inspect) {
+  Model model;
+  model.path = "a.glb";
+  model.format = "glb";
+  Primitive primitive;
+  primitive.name = "quad";
+  primitive.mesh = testing::two_triangles();
+  primitive.orders = testing::two_orders();
+  model.primitives = {primitive};
+  model.instances = {{"node", 0, {}}};
+  const Json json = Json::parse(inspect_json(model));
+  expect_keys(json, {"schema", "input", "format", "primitives", "instances", "animations", "notes"});
+  EXPECT_EQ(json["primitives"][0]["orders"]["buffer_count"], 2);
+  EXPECT_EQ(json["primitives"][0]["orders"]["valid_to"], "inf");
+  EXPECT_EQ(json["primitives"][0]["check"]["boundary_edges"], 4);
+  EXPECT_NE(inspect_text(model).find("2 orders over S0,0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pellucid

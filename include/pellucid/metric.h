@@ -57,7 +57,7 @@ enum class Shading { lit, depth };
 struct ShadingOptions {
   Shading shading = Shading::lit;
   double alpha = 0.5;
-  Vec3f color{0.35F, 0.6F, 0.85F};  // linear RGB of the surface
+  Vec3f color{0.09F, 0.34F, 0.68F};  // linear RGB of the surface
   Vec3f background{1, 1, 1};
 };
 

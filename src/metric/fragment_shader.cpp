@@ -8,9 +8,9 @@ namespace pellucid::metric {
 namespace {
 
 // Shares of the light: from everywhere, from the eye, and from the upper left behind it.
-constexpr double kAmbient = 0.22;
-constexpr double kHeadlight = 0.5;
-constexpr double kFill = 0.38;
+constexpr double kAmbient = 0.2;
+constexpr double kHeadlight = 0.62;
+constexpr double kFill = 0.45;
 // The highlight of the fill light (Blinn-Phong).
 constexpr double kHighlight = 0.35;
 constexpr double kShininess = 48;
@@ -71,8 +71,10 @@ Vec3d FragmentShader::blend(std::uint64_t pixel, std::span<const Fragment> front
 
 FragmentShader::Ray FragmentShader::ray_through(std::uint64_t pixel) const {
   const double unit = 2 * camera_.half_height / camera_.height;
-  const double x = (static_cast<double>(pixel % camera_.width) + 0.5 - 0.5 * camera_.width) * unit;
-  const double y = (0.5 * camera_.height - static_cast<double>(pixel / camera_.width) - 0.5) * unit;
+  const std::uint64_t row = pixel / camera_.width;
+  const std::uint64_t column = pixel % camera_.width;
+  const double x = (static_cast<double>(column) + 0.5 - 0.5 * camera_.width) * unit;
+  const double y = (0.5 * camera_.height - static_cast<double>(row) - 0.5) * unit;
   const Vec3d offset = camera_.right * x + camera_.up * y;
   if (camera_.perspective) return {camera_.eye, normalized(camera_.forward + offset)};
   return {camera_.eye + offset, camera_.forward};

@@ -37,19 +37,28 @@ void insertion_sort(std::span<Fragment> list) {
   }
 }
 
+// Columns first .. last - 1.
+struct Columns {
+  std::uint32_t first, last;
+};
+
 // Fragments per pixel as differences along each row: a span adds one at its first pixel and takes it back
-// after its last. A row has one more counter than pixels.
-void count_differences(const Bands& bands, std::uint32_t band, std::span<const BandedSpans> parts,
-                       std::vector<std::int32_t>& counters) {
+// after its last. A row has one more counter than pixels. Returns the columns that any span reaches.
+Columns count_differences(const Bands& bands, std::uint32_t band, std::span<const BandedSpans> parts,
+                          std::vector<std::int32_t>& counters) {
   const std::size_t stride = std::size_t{bands.width} + 1;
   counters.assign(stride * bands.rows_of(band), 0);
+  Columns columns{bands.width, 0};
   for (const BandedSpans& part : parts) {
     for (const Span& span : part.band(band)) {
       std::int32_t* first = counters.data() + stride * span.y + span.x;
       ++first[0];
       --first[span.count];
+      columns.first = std::min(columns.first, span.x);
+      columns.last = std::max(columns.last, span.x + span.count);
     }
   }
+  return columns.first < columns.last ? columns : Columns{0, 0};
 }
 
 }  // namespace
@@ -85,46 +94,57 @@ void sort_fragments(std::span<Fragment> list) {
 
 std::uint64_t count_fragments(std::span<const BandedSpans> parts, std::uint32_t band) {
   std::uint64_t count = 0;
-  for (const BandedSpans& part : parts) {
-    for (const Span& span : part.band(band)) count += span.count;
-  }
+  for (const BandedSpans& part : parts) count += part.fragments(band);
   return count;
 }
 
 void fill_band(const Bands& bands, std::uint32_t band, std::span<const BandedSpans> parts,
                std::uint64_t first, std::vector<std::int32_t>& counters, FragmentBuffer& out) {
-  const std::size_t stride = std::size_t{bands.width} + 1;
-  const std::uint32_t rows = bands.rows_of(band);
-  std::uint64_t* const offsets = out.offsets.data() + std::size_t{bands.first_row(band)} * bands.width;
-  count_differences(bands, band, parts, counters);
+  const std::size_t width = bands.width;
+  const std::size_t pixels = width * bands.rows_of(band);
+  std::uint64_t* const offsets = out.offsets.data() + width * bands.first_row(band);
+  Fragment* const fragments = out.fragments.data();
+  const Columns columns = count_differences(bands, band, parts, counters);
 
   // Every offset starts as the end of its pixel's list; filling moves it down to the list's first fragment.
   std::uint64_t end = first;
-  for (std::uint32_t y = 0; y < rows; ++y) {
-    const std::int32_t* differences = counters.data() + stride * y;
+  for (std::size_t row = 0; row < pixels; row += width) {
+    const std::int32_t* differences = counters.data() + row + row / width;
+    std::fill_n(offsets + row, columns.first, end);
     std::int32_t count = 0;
-    for (std::uint32_t x = 0; x < bands.width; ++x) {
+    for (std::size_t x = columns.first; x < columns.last; ++x) {
       count += differences[x];
       end += static_cast<std::uint32_t>(count);
-      offsets[std::size_t{y} * bands.width + x] = end;
+      offsets[row + x] = end;
     }
+    std::fill_n(offsets + row + columns.last, width - columns.last, end);
   }
-  Fragment* const fragments = out.fragments.data();
   for (const BandedSpans& part : parts) {
     for (const Span& span : part.band(band)) {
-      std::uint64_t* cursor = offsets + std::size_t{span.y} * bands.width + span.x;
+      std::uint64_t* const cursor = offsets + width * span.y + span.x;
+      const double depth_at_first = span.depth;
+      const double step = span.step;
+      const float low = span.min_depth;
+      const float high = span.max_depth;
+      const std::uint32_t node = span.node;
       for (std::uint32_t i = 0; i < span.count; ++i) {
-        const auto depth = static_cast<float>(span.depth + span.step * i);
-        fragments[--cursor[i]] = {std::min(std::max(depth, span.min_depth), span.max_depth), span.node};
+        const auto depth = static_cast<float>(depth_at_first + step * i);
+        fragments[--cursor[i]] = {std::min(std::max(depth, low), high), node};
       }
     }
   }
 
   // The end of a pixel's list is the start of the next.
-  const std::size_t pixels = std::size_t{rows} * bands.width;
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const std::uint64_t list_end = p + 1 < pixels ? offsets[p + 1] : end;
-    if (list_end - offsets[p] > 1) sort_fragments({fragments + offsets[p], list_end - offsets[p]});
+  for (std::size_t row = 0; row < pixels; row += width) {
+    for (std::size_t p = row + columns.first; p < row + columns.last; ++p) {
+      const std::uint64_t list_end = p + 1 < pixels ? offsets[p + 1] : end;
+      const std::uint64_t count = list_end - offsets[p];
+      if (count == 2) {
+        sort_two(fragments[offsets[p]], fragments[offsets[p] + 1]);
+      } else if (count > 2) {
+        sort_fragments({fragments + offsets[p], count});
+      }
+    }
   }
 }
 

@@ -20,22 +20,20 @@ constexpr std::uint32_t kMaxSide = 1U << 20U;
 // coordinate differences by 2^30, and edge functions by 2^61.
 constexpr double kGuardBand = 1 << 20;
 
-// Which planes a vertex is outside of.
-enum Outside : std::uint8_t {
-  kOutsideNear = 1,
-  kOutsideFar = 2,
-  kOutsideLeft = 4,
-  kOutsideRight = 8,
-  kOutsideTop = 16,
-  kOutsideBottom = 32,
-  kNotFinite = 64,
-};
+// Which planes a vertex is outside of: a set of bits.
+constexpr std::uint8_t kOutsideNear = 1;
+constexpr std::uint8_t kOutsideFar = 2;
+constexpr std::uint8_t kOutsideLeft = 4;
+constexpr std::uint8_t kOutsideRight = 8;
+constexpr std::uint8_t kOutsideTop = 16;
+constexpr std::uint8_t kOutsideBottom = 32;
+constexpr std::uint8_t kNotFinite = 64;
 
 struct ScreenVertex {
   double x = 0, y = 0;                    // pixels, not snapped
   double depth = 0;                       // 0..1
   std::int32_t fixed_x = 0, fixed_y = 0;  // x and y in 1/256 pixels, rounded; valid where `outside` is 0
-  std::uint8_t outside = 0;               // set of Outside
+  std::uint8_t outside = 0;               // set of kOutside...
 };
 
 // The camera's mapping with everything that does not depend on the vertex worked out.

@@ -2,7 +2,6 @@
 #include "spans.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "clip.h"
@@ -71,7 +70,10 @@ void BandedSpans::reset(const Bands& bands) {
   row_shift_ = bands.row_shift;
   row_mask_ = (1U << bands.row_shift) - 1;
   lists_.resize(bands.count);
-  for (std::vector<Span>& list : lists_) list.clear();
+  for (List& list : lists_) {
+    list.spans.clear();
+    list.fragments = 0;
+  }
 }
 
 SpanMaker::SpanMaker(const Projection& projection, Culling culling, BandedSpans& spans)

@@ -41,12 +41,19 @@ class BandedSpans {
   void reset(const Bands& bands);
   void add(std::uint32_t y, Span span) {
     span.y = y & row_mask_;
-    lists_[y >> row_shift_].push_back(span);
+    List& list = lists_[y >> row_shift_];
+    list.fragments += span.count;
+    list.spans.push_back(span);
   }
-  [[nodiscard]] const std::vector<Span>& band(std::uint32_t index) const { return lists_[index]; }
+  [[nodiscard]] const std::vector<Span>& band(std::uint32_t index) const { return lists_[index].spans; }
+  [[nodiscard]] std::uint64_t fragments(std::uint32_t band) const { return lists_[band].fragments; }
 
  private:
-  std::vector<std::vector<Span>> lists_;
+  struct List {
+    std::vector<Span> spans;
+    std::uint64_t fragments = 0;
+  };
+  std::vector<List> lists_;
   std::uint32_t row_shift_ = 0, row_mask_ = 0;
 };
 

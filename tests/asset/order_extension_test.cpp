@@ -185,6 +185,35 @@ TEST_P(EveryForm, OrderingAgainDoesNotGrowTheFile) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryForm, ::testing::ValuesIn(all_forms()));
 
+// -------------------------------------------------------------------------------------------- validator
+
+// Files for scripts/validate-gltf, in the folder that PELLUCID_VALIDATOR_FILES names (else a temporary one):
+// every form, and orders on a file of somebody else's.
+TEST(ValidatorFiles, EveryFormIsWritten) {
+  const TempFolder temporary;
+  const char* asked = std::getenv("PELLUCID_VALIDATOR_FILES");
+  const std::string folder = asked != nullptr ? asked : temporary / "files";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  Random random(47);
+  Mesh mesh = random_mesh(random, 30, 50);
+  mesh.normals = mesh.positions;
+  const Model own = model_of(mesh);
+  const Model foreign = read_model(pyramid().save(temporary / "foreign.gltf"));
+  int number = 0;
+  for (const Form& form : all_forms()) {
+    const std::string name = folder + "/" + std::to_string(number++);
+    const WriteOptions options{form.encoding, form.direction, form.split, form.bake};
+    for (const Model* model : {&own, &foreign}) {
+      const Mesh& part = model->primitives[0].mesh;
+      const OrderSet set = random_orders(random, part, {form.cells, 1, 2}, 4, form.facing);
+      const std::string path = name + (model == &own ? "-own" : "-foreign") + form.extension;
+      write_model(*model, {{0, set, some_record()}}, path, options);
+      EXPECT_TRUE(read_model(path).primitives[0].orders);
+    }
+  }
+}
+
 // ------------------------------------------------------------------------------------------------- sizes
 
 TEST(OrderSizes, WidthsFollowTheVertexCount) {

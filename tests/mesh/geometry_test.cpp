@@ -67,6 +67,11 @@ TEST(TriangleNormal, CounterClockwiseAndUnit) {
   EXPECT_EQ(triangle_normal(mesh, 3), (Vec3d{}));
 }
 
+TEST(TriangleNormal, OfAnInfiniteTriangleIsZero) {
+  const Mesh mesh{{{0, 0, 0}, {kInfinity, 0, 0}, {1, 1, 1}}, {}, {{0, 1, 2}}};
+  EXPECT_EQ(triangle_normal(mesh, 0), (Vec3d{}));
+}
+
 TEST(TriangleNormal, IsUnitAtTheEndsOfFloat) {
   for (const float s : {1e-44F, 1e-38F, 1e38F}) {
     const Mesh mesh{{{0, 0, 0}, {s, 0, 0}, {0, s, s}}, {}, {{0, 1, 2}}};

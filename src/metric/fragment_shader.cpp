@@ -11,9 +11,8 @@ namespace {
 constexpr double kAmbient = 0.2;
 constexpr double kHeadlight = 0.62;
 constexpr double kFill = 0.45;
-// The highlight of the fill light (Blinn-Phong).
+// The highlight of the fill light (Blinn-Phong, exponent 48).
 constexpr double kHighlight = 0.35;
-constexpr double kShininess = 48;
 // A thin sheet of alpha a seen under cosine c lets (1 - a)^(1 / c) through (Beer-Lambert); this bounds 1 / c.
 constexpr double kGrazingCosine = 0.2;
 
@@ -26,6 +25,14 @@ Vec3d linear_from_srgb(const Vec3d& c) {
 }
 Vec3d srgb_from_linear(const Vec3d& c) {
   return {metric::srgb_from_linear(c.x), metric::srgb_from_linear(c.y), metric::srgb_from_linear(c.z)};
+}
+
+double to_the_48th(double x) {
+  const double x2 = x * x;
+  const double x4 = x2 * x2;
+  const double x8 = x4 * x4;
+  const double x16 = x8 * x8;
+  return x16 * x16 * x16;
 }
 
 Vec3d flipped_towards(const Vec3d& v, const Vec3d& side) {
@@ -44,7 +51,7 @@ double linear_from_srgb(double encoded) {
 }
 
 FragmentShader::FragmentShader(const Mesh& mesh, const Camera& camera, const ShadingOptions& options)
-    : mesh_(mesh), camera_(camera), options_(options) {
+    : mesh_(mesh), camera_(camera), options_(options), log2_transmittance_(std::log2(1 - options.alpha)) {
   const bool lit = options.shading == Shading::lit;
   if (lit && mesh.normals.size() != mesh.positions.size()) computed_normals_ = vertex_normals(mesh);
   normals_ = computed_normals_.empty() ? std::span(mesh.normals) : std::span(computed_normals_);
@@ -56,15 +63,20 @@ Vec3d FragmentShader::background() const {
   return srgb_from_linear(to_double(options_.background));
 }
 
-Vec3d FragmentShader::blend(std::uint64_t pixel, std::span<const Fragment> front_to_back) const {
+void FragmentShader::shade(std::uint64_t pixel, std::span<const Fragment> fragments,
+                           std::vector<ShadedFragment>& shaded) const {
   const Ray ray = ray_through(pixel);
+  const bool lit = options_.shading == Shading::lit;
+  shaded.clear();
+  for (const Fragment& f : fragments) shaded.push_back(lit ? shade_lit(ray, f.node) : shade_depth(f));
+}
+
+Vec3d FragmentShader::blend(std::span<const ShadedFragment> front_to_back) const {
   Vec3d color{};
   double transmittance = 1;
-  for (const Fragment& fragment : front_to_back) {
-    const Shaded shaded =
-        options_.shading == Shading::lit ? shade_lit(ray, fragment.node) : shade_depth(fragment.depth);
-    color += shaded.color * (shaded.alpha * transmittance);
-    transmittance *= 1 - shaded.alpha;
+  for (const ShadedFragment& fragment : front_to_back) {
+    color += fragment.color * (fragment.alpha * transmittance);
+    transmittance *= 1 - fragment.alpha;
   }
   return srgb_from_linear(color + to_double(options_.background) * transmittance);
 }
@@ -105,7 +117,7 @@ Vec3d FragmentShader::normal_at(const Ray& ray, std::uint32_t node) const {
   return flipped_towards(normal, shown);
 }
 
-Shaded FragmentShader::shade_lit(const Ray& ray, std::uint32_t node) const {
+ShadedFragment FragmentShader::shade_lit(const Ray& ray, std::uint32_t node) const {
   const Vec3d normal = normal_at(ray, node);
   const Vec3d to_eye = -ray.direction;
   const double facing = std::clamp(dot(normal, to_eye), 0.0, 1.0);
@@ -113,27 +125,22 @@ Shaded FragmentShader::shade_lit(const Ray& ray, std::uint32_t node) const {
   const double highlight = std::max(dot(normal, normalized(fill_light_ + to_eye)), 0.0);
 
   const double diffuse = kAmbient + kHeadlight * facing + kFill * fill;
-  const double gloss = kHighlight * std::pow(highlight, kShininess);
-  const double alpha = 1 - std::pow(1 - options_.alpha, 1 / std::max(facing, kGrazingCosine));
-  return {to_double(options_.color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha};
+  const double gloss = kHighlight * to_the_48th(highlight);
+  const double alpha = 1 - std::exp2(log2_transmittance_ / std::max(facing, kGrazingCosine));
+  return {to_double(options_.color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha, node};
 }
 
-Shaded FragmentShader::shade_depth(float depth) const {
-  const double place = std::clamp(double{depth}, 0.0, 1.0) * static_cast<double>(ramp_.size() - 1);
+ShadedFragment FragmentShader::shade_depth(const Fragment& fragment) const {
+  const double place = std::clamp(double{fragment.depth}, 0.0, 1.0) * static_cast<double>(ramp_.size() - 1);
   const auto from = std::min(static_cast<std::size_t>(place), ramp_.size() - 2);
   const double t = place - static_cast<double>(from);
-  return {ramp_[from] * (1 - t) + ramp_[from + 1] * t, options_.alpha};
+  return {ramp_[from] * (1 - t) + ramp_[from + 1] * t, options_.alpha, fragment.node};
 }
 
-std::span<const Fragment> drawn_order(std::span<const Fragment> by_depth,
-                                      std::span<const std::uint32_t> ranks, std::vector<Fragment>& memory) {
-  memory.clear();
-  for (const Fragment& fragment : by_depth) {
-    if (ranks[fragment.node] != kNoRank) memory.push_back(fragment);
-  }
-  std::stable_sort(memory.begin(), memory.end(),
-                   [&](const Fragment& a, const Fragment& b) { return ranks[a.node] < ranks[b.node]; });
-  return memory;
+void put_in_drawn_order(std::vector<ShadedFragment>& fragments, std::span<const std::uint32_t> ranks) {
+  std::erase_if(fragments, [&](const ShadedFragment& f) { return ranks[f.node] == kNoRank; });
+  std::sort(fragments.begin(), fragments.end(),
+            [&](const ShadedFragment& a, const ShadedFragment& b) { return ranks[a.node] < ranks[b.node]; });
 }
 
 }  // namespace pellucid::metric

@@ -12,10 +12,11 @@
 
 namespace pellucid::metric {
 
-// Linear colour and opacity, not premultiplied.
-struct Shaded {
+// A fragment with its linear colour and opacity, not premultiplied.
+struct ShadedFragment {
   Vec3d color;
   double alpha;
+  std::uint32_t node;
 };
 
 class FragmentShader {
@@ -23,8 +24,11 @@ class FragmentShader {
   // Keeps references to the mesh; computes vertex normals where it has none.
   FragmentShader(const Mesh& mesh, const Camera& camera, const ShadingOptions& options);
 
-  // The fragments' colours put "over" each other and the background, the first one in front; sRGB, 0..1.
-  [[nodiscard]] Vec3d blend(std::uint64_t pixel, std::span<const Fragment> front_to_back) const;
+  // Replace `shaded` by a pixel's fragments, in their order.
+  void shade(std::uint64_t pixel, std::span<const Fragment> fragments,
+             std::vector<ShadedFragment>& shaded) const;
+  // Colours put "over" each other and the background, the first one in front; sRGB, 0..1.
+  [[nodiscard]] Vec3d blend(std::span<const ShadedFragment> front_to_back) const;
   // sRGB colour of a pixel without fragments.
   [[nodiscard]] Vec3d background() const;
 
@@ -33,8 +37,8 @@ class FragmentShader {
     Vec3d origin, direction;
   };
   [[nodiscard]] Ray ray_through(std::uint64_t pixel) const;
-  [[nodiscard]] Shaded shade_lit(const Ray& ray, std::uint32_t node) const;
-  [[nodiscard]] Shaded shade_depth(float depth) const;
+  [[nodiscard]] ShadedFragment shade_lit(const Ray& ray, std::uint32_t node) const;
+  [[nodiscard]] ShadedFragment shade_depth(const Fragment& fragment) const;
   // Interpolated where the ray meets the triangle, unit length, on the side that the node shows.
   [[nodiscard]] Vec3d normal_at(const Ray& ray, std::uint32_t node) const;
 
@@ -44,14 +48,14 @@ class FragmentShader {
   std::vector<Vec3f> computed_normals_;
   std::span<const Vec3f> normals_;
   Vec3d fill_light_;
+  double log2_transmittance_;  // of a sheet seen head-on
   std::array<Vec3d, 5> ramp_;
 };
 
 double srgb_from_linear(double linear);
 double linear_from_srgb(double encoded);
 
-// The drawn fragments of a pixel in drawing order (front-to-back buffers); those without a rank are left out.
-std::span<const Fragment> drawn_order(std::span<const Fragment> by_depth,
-                                      std::span<const std::uint32_t> ranks, std::vector<Fragment>& memory);
+// Put a pixel's fragments in drawing order; those without a rank are taken out.
+void put_in_drawn_order(std::vector<ShadedFragment>& fragments, std::span<const std::uint32_t> ranks);
 
 }  // namespace pellucid::metric

@@ -7,7 +7,7 @@ FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuf
                        std::span<const std::uint32_t> ranks, const ShadingOptions& shading) {
   const metric::FragmentShader shader(mesh, camera, shading);
   FrameError error;
-  std::vector<Fragment> memory;
+  std::vector<metric::ShadedFragment> shaded;
   const std::size_t pixels = std::size_t{fragments.width} * fragments.height;
   for (std::size_t p = 0; p < pixels; ++p) {
     const std::span<const Fragment> list = fragments.pixel(p);
@@ -16,8 +16,10 @@ FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuf
     // A pixel in order blends to the same colour by construction.
     if (pixel_in_order(list, ranks)) continue;
     ++error.incorrect;
-    const Vec3d difference =
-        shader.blend(p, list) - shader.blend(p, metric::drawn_order(list, ranks, memory));
+    shader.shade(p, list, shaded);
+    const Vec3d exact = shader.blend(shaded);
+    metric::put_in_drawn_order(shaded, ranks);
+    const Vec3d difference = exact - shader.blend(shaded);
     error.squared_error += dot(difference, difference);
   }
   return error;

@@ -36,11 +36,17 @@ Image shade(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragme
   const Vec3d background = shader.background();
   Image image = blank(fragments);
   tbb::parallel_for(std::uint32_t{0}, fragments.height, [&](std::uint32_t y) {
-    std::vector<Fragment> memory;
+    std::vector<metric::ShadedFragment> shaded;
     for (std::uint32_t x = 0; x < fragments.width; ++x) {
       const std::size_t p = std::size_t{y} * fragments.width + x;
       const std::span<const Fragment> list = fragments.pixel(p);
-      put(image, p, list.empty() ? background : shader.blend(p, arrange(list, memory)));
+      if (list.empty()) {
+        put(image, p, background);
+        continue;
+      }
+      shader.shade(p, list, shaded);
+      arrange(shaded);
+      put(image, p, shader.blend(shaded));
     }
   });
   return image;
@@ -61,16 +67,14 @@ constexpr double kOutlineJump = 0.02;
 
 Image shade_exact(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                   const ShadingOptions& options) {
-  return shade(mesh, camera, fragments, options,
-               [](std::span<const Fragment> list, std::vector<Fragment>&) { return list; });
+  return shade(mesh, camera, fragments, options, [](const std::vector<metric::ShadedFragment>&) {});
 }
 
 Image shade_ordered(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                     std::span<const std::uint32_t> ranks, const ShadingOptions& options) {
-  return shade(mesh, camera, fragments, options,
-               [ranks](std::span<const Fragment> list, std::vector<Fragment>& memory) {
-                 return metric::drawn_order(list, ranks, memory);
-               });
+  return shade(mesh, camera, fragments, options, [ranks](std::vector<metric::ShadedFragment>& list) {
+    metric::put_in_drawn_order(list, ranks);
+  });
 }
 
 Image error_image(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks) {

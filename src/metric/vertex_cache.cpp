@@ -72,7 +72,7 @@ CacheStatistics simulate_vertex_cache(std::span<const std::uint32_t> indices, st
     used[vertex] = true;
   }
   const auto misses = static_cast<double>(statistics.misses);
-  statistics.acmr = misses / static_cast<double>(indices.size() / 3);
+  statistics.acmr = 3 * misses / static_cast<double>(indices.size());
   statistics.atvr = misses / static_cast<double>(distinct);
   return statistics;
 }

@@ -16,7 +16,7 @@ struct OffHeader {
 std::uint64_t parse_count(const TextCursor& cursor, std::string_view word, std::string_view what) {
   const std::optional<std::int64_t> count = parse_integer(word);
   if (!count) throw cursor.unexpected(what, word);
-  if (*count < 0) throw cursor.error("negative " + std::string(what));
+  if (*count < 0) throw cursor.error(std::string(what) + " is negative");
   return static_cast<std::uint64_t>(*count);
 }
 

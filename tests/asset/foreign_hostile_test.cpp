@@ -139,7 +139,7 @@ TEST(HostileOff, NamesTheLine) {
   EXPECT_EQ(complaint("a.off", "OFF BINARY\n"),
             ": line 1: binary OFF files are not supported; convert to PLY");
   EXPECT_EQ(complaint("a.off", "OFF\n3 x 0\n"), ": line 2: expected the number of faces, found 'x'");
-  EXPECT_EQ(complaint("a.off", "OFF\n3 -1 0\n"), ": line 2: negative the number of faces");
+  EXPECT_EQ(complaint("a.off", "OFF\n3 -1 0\n"), ": line 2: the number of faces is negative");
   EXPECT_EQ(complaint("a.off", "OFF\n4000000000 1 0\n" + kTriangle + "3 0 1 2\n"),
             ": the header declares 4000000000 vertices, but the file has room for at most 4");
   EXPECT_EQ(complaint("a.off", "OFF\n3 4000000000 0\n" + kTriangle + "3 0 1 2\n"),

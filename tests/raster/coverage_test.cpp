@@ -169,7 +169,7 @@ TEST(Coverage, KernelEqualsItsTwinOnBatches) {
     SmallTriangle small{{},
                         1 + static_cast<std::uint32_t>(random.below(64)),
                         1 + static_cast<std::uint32_t>(random.below(64))};
-    const Corners t = random_triangle(random, kSide, 1);
+    const Corners t = random_triangle(random, kSmallExtent, 1);
     const PixelBox box{0, 0, static_cast<std::int32_t>(small.columns) - 1,
                        static_cast<std::int32_t>(small.rows) - 1};
     const Edges<std::int64_t> wide = make_edges(t[0], t[1], t[2], box);

@@ -344,17 +344,17 @@ TEST(Rasterize, GrazingSliversStayWithinTheirDepthRange) {
   // Nearly edge-on triangles: the plane's gradient is huge, the fragments' depth must not be.
   Random random(5);
   Mesh mesh;
-  for (std::uint32_t i = 0; i < 3000; ++i) {
+  for (std::uint32_t i = 0; i < 20000; ++i) {
     const double x = random.uniform(-0.7, 0.7);
     const double y = random.uniform(-0.7, 0.7);
     const double z = random.uniform(-0.5, 0.4);
     mesh.positions.push_back(to_float(Vec3d{x, y, z}));
-    mesh.positions.push_back(to_float(Vec3d{x + 0.2 * random.uniform(), y + 0.2, z + 0.1}));
-    mesh.positions.push_back(to_float(Vec3d{x + 0.01 * random.uniform(), y + 0.1, z + 0.05}));
+    mesh.positions.push_back(to_float(Vec3d{x + 0.1, y + 0.2, z}));
+    mesh.positions.push_back(to_float(Vec3d{x + 0.05 + random.uniform(2e-5, 2e-4), y + 0.1, z + 0.1}));
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const FragmentBuffer buffer = fragments_of(mesh, front_camera(256, 256));
-  ASSERT_GT(buffer.fragments.size(), 1000U);
+  ASSERT_GT(buffer.fragments.size(), 500U);
   for (const Fragment& f : buffer.fragments) {
     const double z = mesh.positions[mesh.triangles[f.node / 2][0]].z;
     EXPECT_LE(f.depth, (1 - z) / 2 + 1e-6);

@@ -28,7 +28,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/pellucidConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/pellucidConfig.cmake ${PROJECT_BINARY_DIR}/pellucidConfigVersion.cmake
   DESTINATION ${pellucid_package_dir})
 
-# pkg-config: users before what they use, as the linker wants static libraries.
+# pkg-config: users before what they use, as the linker wants static libraries. Relocatable: the prefix is found
+# from where the file lies.
+file(RELATIVE_PATH pellucid_pc_up /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 set(pellucid_pc_libraries "")
 foreach(room IN LISTS pellucid_rooms)
   string(PREPEND pellucid_pc_libraries "-l${room} ")

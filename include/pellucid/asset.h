@@ -33,17 +33,17 @@ struct OrderErrorRecord {
 
 // One drawable primitive: what is ordered by itself.
 struct Primitive {
-  std::string name;                  // mesh name, with "#k" for its k-th primitive where it has several
-  std::uint32_t mesh_index = 0;      // glTF: meshes[mesh_index].primitives[primitive_index]; else 0, running
+  std::string name;              // mesh name, with "#k" for its k-th primitive where it has several
+  std::uint32_t mesh_index = 0;  // glTF: meshes[mesh_index].primitives[primitive_index]; else 0, running
   std::uint32_t primitive_index = 0;
-  Mesh mesh;                         // triangles after decoding strips, fans, polygons; in file order; not cleaned
-  bool triangles = true;             // false: points or lines, nothing to order
-  bool double_sided = true;          // glTF: the material's flag; other formats: true
-  bool deforms = false;              // skinned or morphed: static orders do not hold
+  Mesh mesh;                 // triangles after decoding strips, fans, polygons; in file order; not cleaned
+  bool triangles = true;     // false: points or lines, nothing to order
+  bool double_sided = true;  // glTF: the material's flag; other formats: true
+  bool deforms = false;      // skinned or morphed: static orders do not hold
   AlphaMode alpha_mode = AlphaMode::blend;  // other formats: blend
   std::array<float, 4> base_color{1, 1, 1, 1};
   std::string material_name;
-  std::optional<OrderSet> orders;    // from the extension, validated; nodes refer to mesh.triangles
+  std::optional<OrderSet> orders;  // from the extension, validated; nodes refer to mesh.triangles
   std::optional<OrderErrorRecord> order_error;
 };
 
@@ -58,11 +58,12 @@ struct GltfDocument;  // original JSON and buffers, opaque
 
 struct Model {
   std::string path;
-  std::string format;  // "gltf", "glb", "ply", "obj", "stl", "off"
+  std::string format;  // "gltf", "glb", "ply", "obj", "stl", "off"; "sample" for make_model
   std::vector<Primitive> primitives;
   std::vector<Instance> instances;
   std::vector<std::string> animation_names;
-  std::vector<std::string> notes;  // things a user should know: "1 animation", "KHR_texture_transform kept, not read"
+  std::vector<std::string>
+      notes;  // things a user should know: "1 animation", "KHR_texture_transform kept, not read"
   std::shared_ptr<const GltfDocument> document;  // null for other formats
 };
 
@@ -76,8 +77,9 @@ Model read_model(const std::string& path, const ReadOptions& options = {});
 // How the orders are stored.
 enum class OrderEncoding {
   indices,  // plain index accessors, 16-bit where the vertex count allows
-  patches,  // permutations of patch (here: triangle) ids, half the size
-  meshopt,  // EXT_meshopt_compression of the permutation's buffer view, with a fallback-free order buffer
+  patches,  // permutations of patch (here: triangle) ids, a third of the size
+  meshopt,  // the same, as EXT_meshopt_compression; their uncompressed copy, which that extension demands of
+            // files that do not require it, goes to OUT.orders-fallback.bin and is fetched by nobody
 };
 enum class SortDirection { front_to_back, back_to_front };
 
@@ -95,14 +97,16 @@ struct WriteOptions {
 };
 struct WriteReport {
   std::uint64_t file_bytes = 0;   // all files written
-  std::uint64_t order_bytes = 0;  // of these, for orders and their table, as stored
+  std::uint64_t order_bytes = 0;  // of these, for orders and their table, as stored (without a fallback copy)
   std::vector<std::string> files;
 };
-// Write `model` with the given orders as .glb or .gltf (by extension of `path`). Models of other formats get a
-// minimal document of their own. Files appear whole or not at all. Same input, same bytes.
-// Throws Error{cannot_write | bad_argument}.
-WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered, const std::string& path,
-                        const WriteOptions& options = {});
+// Write `model` with the given orders as .glb or .gltf (by extension of `path`). Models of other formats get
+// a minimal document of their own. The file holds exactly the given orders: those that `model` came with and
+// are not given again are taken out, so an empty list strips it. Triangles that `base_sequence` leaves out
+// follow at its end. Files appear whole or not at all. Same input, same bytes. Throws Error{cannot_write |
+// bad_argument}, Error{nothing_to_do} for a model without geometry.
+WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered,
+                        const std::string& path, const WriteOptions& options = {});
 
 // A model of meshes made by a program (samples, tests): one glTF mesh and node per part.
 Model make_model(const std::vector<SamplePart>& parts, const std::string& name);

@@ -265,14 +265,15 @@ void DocumentEditor::cut_off(const std::vector<Json>& popped_views) {
     for (const Json* range : ranges_of(view)) {
       const std::uint64_t buffer = index_in(*range, "buffer", 0);
       const std::uint64_t offset = index_in(*range, "byteOffset", 0);
-      if (buffer >= document_.buffers.size() || document_.buffers[buffer].bytes == nullptr) continue;
+      if (buffer >= document_.buffers.size()) continue;
+      touched.insert(buffer);
+      if (document_.buffers[buffer].bytes == nullptr) continue;
       const std::uint64_t size = document_.buffers[buffer].bytes->size();
       if (offset > size || index_in(*range, "byteLength", 0) != size - offset) continue;
       std::uint64_t padding = 0;
       if (range->contains("extras")) padding = index_in((*range)["extras"], "padding", 0);
       const std::uint64_t end = offset - std::min<std::uint64_t>({padding, 3, offset});
       mutable_bytes(buffer).resize(std::min(size, std::max(end, used_end(buffer))));
-      touched.insert(buffer);
     }
   }
   pop_buffers({touched.begin(), touched.end()});
@@ -282,7 +283,7 @@ void DocumentEditor::cut_off(const std::vector<Json>& popped_views) {
 void DocumentEditor::pop_buffers(const std::vector<std::uint64_t>& removable) {
   for (auto last = removable.rbegin(); last != removable.rend(); ++last) {
     const GltfBuffer& buffer = document_.buffers[*last];
-    if (*last + 1 != document_.buffers.size()) return;
+    if (*last + 1 != document_.buffers.size() || used_end(*last) > 0) return;
     if (buffer.bytes != nullptr && !buffer.bytes->empty()) return;
     document_.buffers.pop_back();
     owned_.resize(std::min(owned_.size(), document_.buffers.size()));

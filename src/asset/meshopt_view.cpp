@@ -106,6 +106,9 @@ Bytes decode_meshopt_view(const MeshoptView& view, std::span<const std::byte> so
 
 Bytes encode_meshopt_indices(std::span<const std::uint32_t> values) {
   const std::uint32_t largest = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+  // The extension wants version 1 of the stream; meshoptimizer keeps the choice in a global, for every caller
+  // alike.
+  meshopt_encodeIndexVersion(1);
   Bytes bytes(meshopt_encodeIndexSequenceBound(values.size(), std::size_t{largest} + 1));
   const std::size_t used = meshopt_encodeIndexSequence(reinterpret_cast<unsigned char*>(bytes.data()),
                                                        bytes.size(), values.data(), values.size());

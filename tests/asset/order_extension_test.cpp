@@ -237,6 +237,35 @@ TEST(OrderSizes, WidthsFollowTheVertexCount) {
   }
 }
 
+TEST(OrderFiles, MeshoptStreamsAreWhatTheExtensionSays) {
+  const TempFolder folder;
+  Random random(53);
+  const Mesh mesh = random_mesh(random, 100, 300);
+  const OrderSet set = random_orders(random, mesh, {}, 3, Facing::duplicated);
+  WriteOptions options{.encoding = OrderEncoding::meshopt, .split_buffer = true};
+  const WriteReport report = write_model(model_of(mesh), {{0, set, {}}}, folder / "a.glb", options);
+  EXPECT_EQ((report.order_bytes + 3) / 4, (fs::file_size(folder / "a.orders.bin") + 3) / 4);  // but for padding
+  const Json json = json_of(folder / "a.glb");
+  const auto compressed = std::find_if(json["bufferViews"].begin(), json["bufferViews"].end(),
+                                       [](const Json& view) { return view.contains("extensions"); });
+  const Json& stream = (*compressed)["extensions"]["EXT_meshopt_compression"];
+  EXPECT_EQ(stream["mode"], "INDICES");
+  EXPECT_EQ(stream["count"].get<int>() * stream["byteStride"].get<int>(),
+            (*compressed)["byteLength"].get<int>());
+  EXPECT_EQ(read_file(folder / "a.orders.bin")[stream["byteOffset"].get<std::size_t>()], std::byte{0xD1});
+  EXPECT_EQ(json["buffers"][(*compressed)["buffer"].get<std::size_t>()]["extensions"]
+                ["EXT_meshopt_compression"]["fallback"],
+            true);
+
+  // The fallback copy may be gone: nobody reads it, and stripping drops the reference to it.
+  fs::remove(folder / "a.orders-fallback.bin");
+  const Model model = read_model(folder / "a.glb");
+  expect_same_drawing(mesh, set, model.primitives[0].mesh, *model.primitives[0].orders);
+  write_model(model, {}, folder / "b.glb");
+  EXPECT_EQ(json_of(folder / "b.glb")["buffers"].size(), 1U);
+  EXPECT_FALSE(json_of(folder / "b.glb").contains("extensionsUsed"));
+}
+
 TEST(OrderFiles, UnawareViewersOnlyNeedTheMainFile) {
   const TempFolder folder;
   Random random(5);

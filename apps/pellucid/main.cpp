@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 
+#include "help.h"
 #include "pellucid/report.h"
 #include "session.h"
 #include "terminal_progress.h"
@@ -80,14 +81,14 @@ int run(int argc, char** argv) {
                "pellucid");
   app.set_version_flag("--version", std::string(library_version()));
   app.require_subcommand(0, 1);
-  app.get_formatter()->column_width(34);
+  app.formatter(std::make_shared<HelpFormatter>());
   Chosen chosen;
   add_commands(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     const auto parsed = app.get_subcommands();
-    return print_result(parsed.empty() ? app.help() : parsed.front()->help());
+    return print_result(parsed.empty() ? app.help() : parsed.front()->help("pellucid"));
   } catch (const CLI::CallForVersion&) {
     return print_result(std::string(library_version()) + "\n");
   } catch (const CLI::ParseError& error) {

@@ -329,6 +329,7 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
              "budget: fewest buffers within --max-error (default); acyclic: the paper's")
       ->group("Method");
   command.add_option("--views", o.views, "View cells: S2,2 or P3, ...")
+      ->type_name("SPEC")
       ->capture_default_str()
       ->group("Method");
   auto* max_error = command
@@ -364,6 +365,7 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
   auto* distances =
       command
           .add_option("--distances", o.distances, "Camera distances to sample, in bounding radii: 1.5,3,inf")
+          ->type_name("LIST")
           ->group("Cameras");
   auto* distance = command.add_option("--distance", o.distance, "One fixed camera distance")
                        ->check(CLI::Range(1.001, 1e6))

@@ -89,7 +89,7 @@ Arguments quick_order(const std::string& input, const std::string& output, const
 }
 
 Samples::Samples() : plain(folder.file("stack.glb")), ordered(folder.file("ordered.glb")) {
-  const Finished sample = run_pellucid({"sample", "coplanar-stack", "-o", plain, "--detail", "0.3"});
+  const Finished sample = run_pellucid({"sample", "coplanar-stack", "-o", plain, "--detail", "0.05"});
   const Finished order = run_pellucid(quick_order(plain, ordered));
   problems = sample.err + order.err;
 }

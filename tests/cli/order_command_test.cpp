@@ -45,11 +45,11 @@ TEST(OrderCommand, SameBytesForAnyNumberOfThreads) {
   const TemporaryFolder folder;
   for (const char* method : {"budget", "acyclic"}) {
     std::string bytes;
-    for (const char* threads : {"1", "2", "0"}) {
+    for (const char* threads : {"1", "2"}) {
       const std::string out = folder.file("out.glb");
       const Finished done =
-          run_pellucid({"order", samples().plain, "-o", out, "--views", "S1,1", "--distances", "2,inf",
-                        "--method", method, "--threads", threads, "--validate", "4"});
+          run_pellucid({"order", samples().plain, "-o", out, "--views", "S0,1", "--distances", "2,inf",
+                        "--method", method, "--threads", threads, "--validate", "2"});
       ASSERT_EQ(done.code, 0) << done.err;
       if (bytes.empty()) bytes = slurp(out);
       EXPECT_TRUE(bytes == slurp(out)) << method << " with " << threads << " threads";

@@ -58,7 +58,9 @@ Vec3<Real> normalized(const Vec3<Real>& a) {
   return l > Real(0) ? a / l : a;
 }
 
-constexpr Vec3d to_double(const Vec3f& a) { return {a.x, a.y, a.z}; }
+constexpr Vec3d to_double(const Vec3f& a) {
+  return {a.x, a.y, a.z};
+}
 constexpr Vec3f to_float(const Vec3d& a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
@@ -72,13 +74,13 @@ struct Mat4 {
 // ----------------------------------------------------------------------------------------------- errors
 
 enum class ErrorKind {
-  bad_argument,         // the caller asked for something that makes no sense        (exit code 2)
-  bad_input,            // a file is truncated, hostile, or not what it claims to be (exit code 3)
-  nothing_to_do,        // valid input without anything to work on                   (exit code 4)
-  quality_missed,       // the asked-for quality was not reached                     (exit code 5)
-  cannot_write,         // no permission, disk full                                  (exit code 1)
-  interrupted,          // the caller's Progress said stop                           (exit code 130)
-  internal,             // a bug in pellucid                                         (exit code 1)
+  bad_argument,    // the caller asked for something that makes no sense        (exit code 2)
+  bad_input,       // a file is truncated, hostile, or not what it claims to be (exit code 3)
+  nothing_to_do,   // valid input without anything to work on                   (exit code 4)
+  quality_missed,  // the asked-for quality was not reached                     (exit code 5)
+  cannot_write,    // no permission, disk full                                  (exit code 1)
+  interrupted,     // the caller's Progress said stop                           (exit code 130)
+  internal,        // a bug in pellucid                                         (exit code 1)
 };
 
 // Thrown at the public surface only. what() is one line that names the file or argument, the reason and,
@@ -156,12 +158,13 @@ class Random {
 
 // ------------------------------------------------------------------------------------------------ files
 
-// The whole of a file. Throws Error{bad_input} naming the path and the system's reason (missing, a directory, no
-// permission, larger than `max_bytes`).
+// The whole of a file. Throws Error{bad_input} naming the path and the system's reason (missing, a directory,
+// no permission, larger than `max_bytes`).
 std::vector<std::byte> read_file(const std::string& path, std::uint64_t max_bytes = std::uint64_t{8} << 30U);
 
-// Write through a temporary file beside `path`, flush it to disk, then rename: the file appears whole or not at all,
-// and the temporary is gone whatever happens. Throws Error{cannot_write} naming the path and the reason.
+// Write through a temporary file beside `path`, flush it to disk, then rename: the file appears whole or not
+// at all, and the temporary is gone whatever happens. Throws Error{cannot_write} naming the path and the
+// reason.
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 void write_file_atomically(const std::string& path, std::string_view text);
 

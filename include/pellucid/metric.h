@@ -1,7 +1,7 @@
 // pellucid/metric.h - room `metric`: how good an order is, by numbers and pictures.
 //
-// Vertex cache: ACMR, ATVR. Overdraw: OVR. Transparency: IPR and PSNR of an order set against exact depth order
-// (In-Depth Buffers, section 7), over random viewpoints. Truth comes from the room `raster`.
+// Vertex cache: ACMR, ATVR. Overdraw: OVR. Transparency: IPR and PSNR of an order set against exact depth
+// order (In-Depth Buffers, section 7), over random viewpoints. Truth comes from the room `raster`.
 #pragma once
 
 #include <cstdint>
@@ -81,13 +81,14 @@ std::vector<std::uint8_t> encode_png(const Image& image);
 
 struct FrameError {
   std::uint64_t foreground = 0;  // pixels with at least one fragment
-  std::uint64_t incorrect = 0;   // pixels whose drawing order contradicts depth order, or that miss a fragment
-  double squared_error = 0;      // summed over foreground pixels and the three channels, in [0,1] sRGB units
+  std::uint64_t incorrect = 0;  // pixels whose drawing order contradicts depth order, or that miss a fragment
+  double squared_error = 0;     // summed over foreground pixels and the three channels, in [0,1] sRGB units
   [[nodiscard]] double ipr() const {
     return foreground == 0 ? 0 : static_cast<double>(incorrect) / static_cast<double>(foreground);
   }
 };
-// Fragments of equal depth (within a few units in the last place of the fragment depth) may come in either order.
+// Fragments of equal depth (within a few units in the last place of the fragment depth) may come in either
+// order.
 FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                        std::span<const std::uint32_t> ranks, const ShadingOptions& shading);
 
@@ -109,8 +110,8 @@ struct MethodQuality {
   double ipr_mean = 0, ipr_max = 0;    // mean and worst over the viewpoints
   double psnr_mean = 0, psnr_min = 0;  // dB over foreground pixels, frames without error count as 100 dB
   std::vector<DistanceError> by_distance;
-  std::vector<FrameError> frames;      // one per viewpoint, in their order
-  double seconds_per_frame = 0;        // cost of `ranks` where it is per-frame work (sorting), CPU seconds
+  std::vector<FrameError> frames;  // one per viewpoint, in their order
+  double seconds_per_frame = 0;    // cost of `ranks` where it is per-frame work (sorting), CPU seconds
 };
 
 struct MeasureOptions {

@@ -2,8 +2,8 @@
 //
 // In: a clean Mesh and a ViewPartition. Out: an OrderSet, the in-depth buffers: a few sequences of all
 // triangles and the table that says which of them draws correctly from which view cell.
-// Follows: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018 (section numbers below), and goes
-// beyond it with weighted edges and an error budget (docs/in-depth-buffers.md).
+// Follows: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018 (section numbers below), and
+// goes beyond it with weighted edges and an error budget (docs/in-depth-buffers.md).
 //
 // A *node* is one facing of a triangle: 2 * triangle is the triangle as stored, 2 * triangle + 1 its flipped
 // twin. From a viewpoint exactly one of the two faces the camera (section 2.2).
@@ -24,9 +24,15 @@
 namespace pellucid {
 
 using NodeId = std::uint32_t;
-constexpr NodeId node_of(std::uint32_t triangle, bool flipped) { return 2 * triangle + (flipped ? 1 : 0); }
-constexpr std::uint32_t triangle_of(NodeId node) { return node / 2; }
-constexpr bool is_flipped(NodeId node) { return (node & 1U) != 0; }
+constexpr NodeId node_of(std::uint32_t triangle, bool flipped) {
+  return 2 * triangle + (flipped ? 1 : 0);
+}
+constexpr std::uint32_t triangle_of(NodeId node) {
+  return node / 2;
+}
+constexpr bool is_flipped(NodeId node) {
+  return (node & 1U) != 0;
+}
 // Corners in drawing order: (a, b, c), flipped (a, c, b).
 constexpr Triangle corners_of(const Mesh& mesh, NodeId node) {
   const Triangle& t = mesh.triangles[triangle_of(node)];
@@ -38,7 +44,8 @@ constexpr Triangle corners_of(const Mesh& mesh, NodeId node) {
 // Which faces a mesh shows.
 enum class Facing {
   single,      // back faces are culled: orders hold front facings only
-  duplicated,  // both sides are drawn: orders hold the flipped twin of every triangle that can be seen from behind
+  duplicated,  // both sides are drawn: orders hold the flipped twin of every triangle that can be seen from
+               // behind
 };
 
 // Nodes front to back; every node at most once; every node that the cells of this order can see is in it.
@@ -46,14 +53,15 @@ using NodeSequence = std::vector<NodeId>;
 
 struct OrderSet {
   PartitionSpec partition;
-  BoundingSphere sphere;       // of the mesh: viewpoints are relative to it
-  double valid_from = 0;       // the orders hold for cameras at valid_from .. valid_to bounding radii
+  BoundingSphere sphere;  // of the mesh: viewpoints are relative to it
+  double valid_from = 0;  // the orders hold for cameras at valid_from .. valid_to bounding radii
   double valid_to = kInfiniteDistance;
   Facing facing = Facing::duplicated;
   std::vector<NodeSequence> orders;
   std::vector<std::uint32_t> cell_orders;  // one per view cell: index into orders
-  // The best single sequence for all views, each triangle exactly once, as stored (never flipped), BACK TO FRONT: what a
-  // viewer without the order extension blends correctly most often, and what is drawn outside the valid range.
+  // The best single sequence for all views, each triangle exactly once, as stored (never flipped), BACK TO
+  // FRONT: what a viewer without the order extension blends correctly most often, and what is drawn outside
+  // the valid range.
   std::vector<std::uint32_t> base_sequence;
 };
 
@@ -63,17 +71,17 @@ struct StageSeconds {
 
 struct OrderStatistics {
   std::uint64_t triangles = 0;
-  std::uint64_t viewpoints = 0;         // samples x distances
+  std::uint64_t viewpoints = 0;           // samples x distances
   std::uint64_t edges_per_viewpoint = 0;  // mean
-  std::uint64_t edges_total = 0;        // over all cells, each cell's union counted once
-  std::uint64_t intersecting_pairs = 0; // pairs that swap depth inside their overlap, summed over viewpoints
-  std::uint32_t cyclic_cells = 0;       // cells whose own union of kept edges is cyclic
-  std::uint64_t dropped_edges = 0;      // acyclic: lightest edges removed to break those cycles
-  double dropped_weight = 0;            //   their share of all weight
-  double violated_weight = 0;           // share of the overlapped area drawn in the wrong order, at the samples
+  std::uint64_t edges_total = 0;          // over all cells, each cell's union counted once
+  std::uint64_t intersecting_pairs = 0;  // pairs that swap depth inside their overlap, summed over viewpoints
+  std::uint32_t cyclic_cells = 0;        // cells whose own union of kept edges is cyclic
+  std::uint64_t dropped_edges = 0;       // acyclic: lightest edges removed to break those cycles
+  double dropped_weight = 0;             //   their share of all weight
+  double violated_weight = 0;  // share of the overlapped area drawn in the wrong order, at the samples
   std::uint32_t clusters_before_relaxation = 0;  // acyclic
-  std::uint32_t iterations = 0;         // budget: k-means rounds; acyclic: relaxation rounds
-  double measured_error = -1;           // IPR on the validation viewpoints; -1: not measured
+  std::uint32_t iterations = 0;                  // budget: k-means rounds; acyclic: relaxation rounds
+  double measured_error = -1;                    // IPR on the validation viewpoints; -1: not measured
   StageSeconds seconds;
   std::uint64_t peak_rss_bytes = 0;
 };
@@ -88,29 +96,34 @@ struct OrderResult {
 enum class OrderMethod { budget, acyclic };
 enum class OcclusionSource { exact, raster };
 // Which pair of clusters to merge first (section 3.2), I and J being their edge sets.
-enum class MergePriority { intersection /* max |I n J| */, difference /* min |I u J| - |I n J| */, union_size /* min |I u J| */ };
+enum class MergePriority {
+  intersection /* max |I n J| */,
+  difference /* min |I u J| - |I n J| */,
+  union_size /* min |I u J| */
+};
 enum class Projection { perspective, orthographic };
 
 struct OrderOptions {
   OrderMethod method = OrderMethod::budget;
   PartitionSpec partition{};
-  // Distances of the samples in bounding radii (infinity allowed). Empty: the default spread, see default_distances().
+  // Distances of the samples in bounding radii (infinity allowed). Empty: the default spread, see
+  // default_distances().
   std::vector<double> distances;
   Facing facing = Facing::duplicated;
   OcclusionSource occlusion = OcclusionSource::exact;
-  std::uint32_t raster_size = 512;   // occlusion = raster: pixels per side
+  std::uint32_t raster_size = 512;  // occlusion = raster: pixels per side
 
-  // Overlaps thinner than this (in bounding radii, measured across the overlap at the sphere's centre depth) make no
-  // edge. < 0: the method's default (budget 0; acyclic 0.003, the authors' value).
+  // Overlaps thinner than this (in bounding radii, measured across the overlap at the sphere's centre depth)
+  // make no edge. < 0: the method's default (budget 0; acyclic 0.003, the authors' value).
   double tolerance = -1;
 
-  double max_error = 0.001;          // budget: add buffers until the measured IPR is at most this
-  std::uint32_t max_buffers = 16;    // budget: never more than this many
-  std::uint32_t min_buffers = 1;     // budget: start here (equal to max_buffers: exactly that many)
+  double max_error = 0.001;        // budget: add buffers until the measured IPR is at most this
+  std::uint32_t max_buffers = 16;  // budget: never more than this many
+  std::uint32_t min_buffers = 1;   // budget: start here (equal to max_buffers: exactly that many)
   MergePriority priority = MergePriority::union_size;  // acyclic
   std::uint32_t fruitless_rounds = 5;                  // acyclic: relaxation stops after so many
 
-  std::uint32_t cache_size = 20;     // FIFO size that sequences are optimised for; 0: leave the sequence alone
+  std::uint32_t cache_size = 20;  // FIFO size that sequences are optimised for; 0: leave the sequence alone
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };
@@ -129,9 +142,9 @@ std::uint32_t select_order(const OrderSet& set, const Vec3d& direction);
 constexpr std::uint32_t kNoRank = std::numeric_limits<std::uint32_t>::max();
 std::vector<std::uint32_t> ranks_of(std::span<const NodeId> sequence, std::uint64_t triangle_count);
 
-// Is the drawing order of one pixel's fragments (sorted by depth) right? Wrong: a fragment's node has no rank, or a
-// nearer fragment comes later. Fragments whose depths differ by no more than kDepthTie count as coincident: they may
-// come in either order.
+// Is the drawing order of one pixel's fragments (sorted by depth) right? Wrong: a fragment's node has no
+// rank, or a nearer fragment comes later. Fragments whose depths differ by no more than kDepthTie count as
+// coincident: they may come in either order.
 constexpr float kDepthTie = 1e-6F;  // of the 0..1 depth range
 bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
 

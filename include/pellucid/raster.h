@@ -22,8 +22,9 @@ struct Camera {
   Vec3d eye;                 // unused by orthographic cameras except as a point on the image plane's axis
   Vec3d right, up, forward;  // orthonormal; forward looks into the scene
   bool perspective = true;
-  double half_height = 1;    // perspective: tan(vertical field of view / 2); orthographic: half the picture's height
-  double near_plane = 0;     // distances along forward, 0 < near < far for perspective
+  double half_height =
+      1;  // perspective: tan(vertical field of view / 2); orthographic: half the picture's height
+  double near_plane = 0;  // distances along forward, 0 < near < far for perspective
   double far_plane = 1;
   std::uint32_t width = 512, height = 512;
 };
@@ -61,9 +62,9 @@ struct RasterOptions {
 };
 // All fragments of `mesh`. Triangles are clipped at the near and far planes. The buffers of `out` are reused.
 // Time O(triangles + fragments * log(depth complexity)); memory 8 bytes a fragment and 8 a pixel.
-// Throws Error{bad_argument} for a picture of no pixels, more than 2^28 or more than 2^20 a side, and for a camera whose
-// planes or half_height make no sense. Triangles that have no area after snapping, or a corner that is not finite, make
-// no fragments.
+// Throws Error{bad_argument} for a picture of no pixels, more than 2^28 or more than 2^20 a side, and for a
+// camera whose planes or half_height make no sense. Triangles that have no area after snapping, or a corner
+// that is not finite, make no fragments.
 void rasterize(const Mesh& mesh, const Camera& camera, const RasterOptions& options, FragmentBuffer& out);
 
 }  // namespace pellucid

@@ -1,10 +1,12 @@
-// Clustering as in the paper: see acyclic.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 2018,
-// section 3.2. Differs in: pairs once found infeasible are never tried again while both clusters only grow.
+// Clustering as in the paper: see acyclic.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT
+// 2018, section 3.2. Differs in: pairs once found infeasible are never tried again while both clusters only
+// grow.
 #include "acyclic.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <map>
 #include <queue>
 #include <set>
 
@@ -69,7 +71,8 @@ class AcyclicClustering {
   }
 
   // Remove the edges that a good order violates: all cycles go, little weight with them.
-  static void break_cycles(const EdgeRows& cell, EdgeSet& edges, std::uint64_t& dropped, double& dropped_weight) {
+  static void break_cycles(const EdgeRows& cell, EdgeSet& edges, std::uint64_t& dropped,
+                           double& dropped_weight) {
     std::vector<double> keys(cell.node_count(), 0.0);
     for (NodeId front = 0; front < cell.node_count(); ++front) {
       for (std::uint32_t i = cell.offsets[front]; i < cell.offsets[front + 1]; ++i) {
@@ -234,14 +237,15 @@ class AcyclicClustering {
     for (const std::uint32_t cluster : ring1) {
       ring1_cells.insert(ring1_cells.end(), clusters_[cluster].cells.begin(), clusters_[cluster].cells.end());
     }
-    move_cells(ring1_cells, [&](std::uint32_t target) { return !inner.contains(target); }, random);
-    move_cells(clusters_[s].cells, [&](std::uint32_t target) { return target != s; }, random);
+    move_cells(
+        ring1_cells, [&](std::uint32_t target) { return !inner.contains(target); }, random);
+    move_cells(
+        clusters_[s].cells, [&](std::uint32_t target) { return target != s; }, random);
   }
 
   // Move cells of the list to neighbouring clusters that `allowed` names, at random, until none can move.
   template <class Allowed>
   void move_cells(std::vector<std::uint32_t> cells, const Allowed& allowed, Random& random) {
-    std::set<std::pair<std::uint32_t, std::uint32_t>> refused;  // targets only grow here: refused once, refused for good
     std::sort(cells.begin(), cells.end());
     for (bool moved = true; moved;) {
       moved = false;
@@ -250,7 +254,7 @@ class AcyclicClustering {
         std::set<std::uint32_t> targets;
         for (const std::uint32_t neighbor : partition_.neighbors_of(cell)) {
           const std::uint32_t target = cluster_of_[neighbor];
-          if (target != cluster_of_[cell] && allowed(target) && !refused.contains({cell, target})) {
+          if (target != cluster_of_[cell] && allowed(target) && !known_refused(cell, target)) {
             targets.insert(target);
           }
         }
@@ -262,7 +266,7 @@ class AcyclicClustering {
         stop_if_requested(options_.progress);
         if (gone.contains(cell)) continue;
         if (!try_move(cell, target)) {
-          refused.insert({cell, target});
+          refused_[{cell, target}] = losses_[target];
           continue;
         }
         gone.insert(cell);
@@ -281,8 +285,16 @@ class AcyclicClustering {
     Cluster& source = clusters_[cluster_of_[cell]];
     std::erase(source.cells, cell);
     stale_.insert(cluster_of_[cell]);
+    ++losses_[cluster_of_[cell]];
     cluster_of_[cell] = target_number;
     return true;
+  }
+
+  // A cluster that refused a cell refuses it until it has lost a cell of its own.
+  [[nodiscard]] bool known_refused(std::uint32_t cell, std::uint32_t target) const {
+    const auto found = refused_.find({cell, target});
+    const auto losses = losses_.find(target);
+    return found != refused_.end() && found->second == (losses == losses_.end() ? 0 : losses->second);
   }
 
   // A cluster that lost cells keeps edges of theirs until somebody needs to know.
@@ -320,11 +332,15 @@ class AcyclicClustering {
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> dead_;
   std::set<std::uint32_t> stale_;
+  std::map<std::uint32_t, std::uint32_t> losses_;  // cells that a cluster has lost so far
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
+      refused_;  // (cell, cluster) -> its losses then
 };
 
 }  // namespace
 
-Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options, OrderStatistics& statistics) {
+Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options,
+                               OrderStatistics& statistics) {
   return AcyclicClustering(problem, options, statistics).run();
 }
 

@@ -1,4 +1,5 @@
-// Clustering as in the paper: view cells share an order only if the union of their edges is acyclic (section 3).
+// Clustering as in the paper: view cells share an order only if the union of their edges is acyclic (section
+// 3).
 #pragma once
 
 #include "budget.h"
@@ -7,8 +8,10 @@
 
 namespace pellucid {
 
-// Greedy merging of neighbouring clusters by priority, then relaxation. Cells whose own edges are cyclic first lose the
-// edges that the best order found violates (counted in `statistics`). The result's orders violate no kept edge.
-Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options, OrderStatistics& statistics);
+// Greedy merging of neighbouring clusters by priority, then relaxation. Cells whose own edges are cyclic
+// first lose the edges that the best order found violates (counted in `statistics`). The result's orders
+// violate no kept edge.
+Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options,
+                               OrderStatistics& statistics);
 
 }  // namespace pellucid

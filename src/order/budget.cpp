@@ -42,7 +42,8 @@ void add_violations(const EdgeRows& rows, const RankTable& table, double* costs)
         row_costs[order] += front[order] > back[order] ? weight : 0.0F;
       }
     }
-    for (std::uint32_t order = 0; order < orders; ++order) costs[order] += static_cast<double>(row_costs[order]);
+    for (std::uint32_t order = 0; order < orders; ++order)
+      costs[order] += static_cast<double>(row_costs[order]);
   }
 }
 
@@ -96,7 +97,8 @@ void reassign_cells(const std::vector<double>& table, Clustering& clustering) {
 void reseed_empty_clusters(const std::vector<double>& table, Clustering& clustering) {
   const std::uint32_t orders = clustering.cluster_count();
   for (std::uint32_t cluster = 0; cluster < orders; ++cluster) {
-    if (std::find(clustering.cluster_of.begin(), clustering.cluster_of.end(), cluster) != clustering.cluster_of.end()) {
+    if (std::find(clustering.cluster_of.begin(), clustering.cluster_of.end(), cluster) !=
+        clustering.cluster_of.end()) {
       continue;
     }
     std::size_t worst = 0;
@@ -115,7 +117,8 @@ void reseed_empty_clusters(const std::vector<double>& table, Clustering& cluster
 
 }  // namespace
 
-std::vector<std::uint32_t> cells_of_cluster(const std::vector<std::uint32_t>& cluster_of, std::uint32_t cluster) {
+std::vector<std::uint32_t> cells_of_cluster(const std::vector<std::uint32_t>& cluster_of,
+                                            std::uint32_t cluster) {
   std::vector<std::uint32_t> cells;
   for (std::uint32_t cell = 0; cell < cluster_of.size(); ++cell) {
     if (cluster_of[cell] == cluster) cells.push_back(cell);
@@ -152,7 +155,8 @@ std::vector<double> depth_keys(const Mesh& mesh, const BoundingSphere& sphere, c
   return keys;
 }
 
-std::vector<double> violation_table(const OcclusionGraph& graph, const std::vector<std::vector<std::uint32_t>>& ranks) {
+std::vector<double> violation_table(const OcclusionGraph& graph,
+                                    const std::vector<std::vector<std::uint32_t>>& ranks) {
   const RankTable table = interleave(ranks);
   std::vector<double> costs(graph.cells.size() * ranks.size(), 0.0);
   tbb::parallel_for(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
@@ -179,7 +183,8 @@ Clustering spread_start(const OcclusionGraph& graph, const Mesh& mesh, const Bou
     }
   }
   for (std::uint32_t c = 0; c < cluster_count; ++c) {
-    start.ranks.push_back(ranks_by_key(depth_keys(mesh, sphere, partition, cells_of_cluster(start.cluster_of, c))));
+    start.ranks.push_back(
+        ranks_by_key(depth_keys(mesh, sphere, partition, cells_of_cluster(start.cluster_of, c))));
   }
   return start;
 }

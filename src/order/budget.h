@@ -1,7 +1,8 @@
 // Clustering by budget: k orders for all view cells with as little violated weight as can be found.
 //
-// k-means over orders (orders.md section 3): (1) every cluster orders the summed edges of its cells by sifting, (2) every
-// cell moves to the order that violates least of it. No acyclicity and no tolerance is needed; the error is a dial.
+// k-means over orders (orders.md section 3): (1) every cluster orders the summed edges of its cells by
+// sifting, (2) every cell moves to the order that violates least of it. No acyclicity and no tolerance is
+// needed; the error is a dial.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +15,16 @@
 namespace pellucid {
 
 struct Clustering {
-  std::vector<std::uint32_t> cluster_of;            // per cell
-  std::vector<std::vector<std::uint32_t>> ranks;    // per cluster, per node: a permutation
-  double violated = 0;                              // summed over cells
+  std::vector<std::uint32_t> cluster_of;          // per cell
+  std::vector<std::vector<std::uint32_t>> ranks;  // per cluster, per node: a permutation
+  double violated = 0;                            // summed over cells
   std::uint32_t rounds = 0;
 
   [[nodiscard]] std::uint32_t cluster_count() const { return static_cast<std::uint32_t>(ranks.size()); }
 };
 
-// Where every node lies along the view directions of some cells: its mean depth, the classical painter's key. Smaller is
-// nearer. One value per node.
+// Where every node lies along the view directions of some cells: its mean depth, the classical painter's key.
+// Smaller is nearer. One value per node.
 std::vector<double> depth_keys(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
                                std::span<const std::uint32_t> cells);
 
@@ -37,14 +38,17 @@ struct KMeansOptions {
 // Alternate (1) and (2) from `start`, whose ranks must be filled; never ends worse than it starts.
 Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, const KMeansOptions& options);
 
-// A start for k clusters: cells by the nearest of k spread-out random directions, orders by depth. Contiguous starts
-// converge in a few rounds to a fraction of the error of starts that join opposite views (docs/in-depth-buffers.md).
+// A start for k clusters: cells by the nearest of k spread-out random directions, orders by depth. Contiguous
+// starts converge in a few rounds to a fraction of the error of starts that join opposite views
+// (docs/in-depth-buffers.md).
 Clustering spread_start(const OcclusionGraph& graph, const Mesh& mesh, const BoundingSphere& sphere,
                         const ViewPartition& partition, std::uint32_t cluster_count, std::uint64_t seed);
 
 // Violated weight of every cell under every order: cells x orders, row by row.
-std::vector<double> violation_table(const OcclusionGraph& graph, const std::vector<std::vector<std::uint32_t>>& ranks);
+std::vector<double> violation_table(const OcclusionGraph& graph,
+                                    const std::vector<std::vector<std::uint32_t>>& ranks);
 
-std::vector<std::uint32_t> cells_of_cluster(const std::vector<std::uint32_t>& cluster_of, std::uint32_t cluster);
+std::vector<std::uint32_t> cells_of_cluster(const std::vector<std::uint32_t>& cluster_of,
+                                            std::uint32_t cluster);
 
 }  // namespace pellucid

@@ -13,8 +13,8 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kStarts = 3;          // coarse restarts per number of clusters
-constexpr std::uint32_t kFineRounds = 3;      // rounds on the full mesh
+constexpr std::uint32_t kStarts = 3;      // coarse restarts per number of clusters
+constexpr std::uint32_t kFineRounds = 3;  // rounds on the full mesh
 
 class BudgetSearch {
  public:
@@ -55,12 +55,13 @@ class BudgetSearch {
     std::vector<Clustering> trials(kStarts);
     tbb::parallel_for(std::uint32_t{0}, kStarts, [&](std::uint32_t trial) {
       stop_if_requested(options_.progress);
-      const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition, count,
-                                            options_.seed * 1000 + trial);
+      const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition,
+                                            count, options_.seed * 1000 + trial);
       trials[trial] = improve_clustering(coarse_.graph, start, {});
     });
-    const auto best = std::min_element(trials.begin(), trials.end(),
-                                       [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
+    const auto best =
+        std::min_element(trials.begin(), trials.end(),
+                         [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
     return coarse_solutions_.emplace(count, std::move(*best)).first->second;
   }
 
@@ -72,10 +73,10 @@ class BudgetSearch {
       result.clustering = coarse;
     } else {
       Clustering start;
-      start.cluster_of = coarse.cluster_of;
+      start.cluster_of = fine_cells(coarse.cluster_of);
       for (std::uint32_t c = 0; c < coarse.cluster_count(); ++c) {
-        start.ranks.push_back(
-            carry_ranks(coarse_, fine_, coarse_nodes_, coarse.ranks[c], cells_of_cluster(coarse.cluster_of, c)));
+        start.ranks.push_back(carry_ranks(coarse_, fine_, coarse_nodes_, coarse.ranks[c],
+                                          cells_of_cluster(start.cluster_of, c)));
       }
       KMeansOptions options;
       options.rounds = kFineRounds;
@@ -87,10 +88,20 @@ class BudgetSearch {
     return result;
   }
 
+  // The coarse partition may be subdivided less: cell f then holds the cells 4f .. 4f + 3 of the next level.
+  [[nodiscard]] std::vector<std::uint32_t> fine_cells(const std::vector<std::uint32_t>& cluster_of) const {
+    const std::uint32_t levels = fine_.partition.spec.level - coarse_.partition.spec.level;
+    std::vector<std::uint32_t> result(fine_.partition.cell_count());
+    for (std::uint32_t cell = 0; cell < result.size(); ++cell)
+      result[cell] = cluster_of[cell >> (2 * levels)];
+    return result;
+  }
+
   double error_of(const OrderProblem& problem, const Clustering& clustering) const {
     ValidationOptions options;
     options.min_distance = std::max(options_.range.from, std::min(2.0, options_.range.to));
-    options.max_distance = std::clamp(5.0, options.min_distance, std::max(options.min_distance, options_.range.to));
+    options.max_distance =
+        std::clamp(5.0, options.min_distance, std::max(options.min_distance, options_.range.to));
     options.front_only = options_.front_only;
     options.seed = options_.seed + 0x5EED;
     options.progress = options_.progress;
@@ -112,10 +123,12 @@ std::vector<std::uint32_t> carry_ranks(const OrderProblem& coarse, const OrderPr
                                        std::span<const std::uint32_t> coarse_ranks,
                                        std::span<const std::uint32_t> cells) {
   if (coarse.mesh == fine.mesh) return {coarse_ranks.begin(), coarse_ranks.end()};
-  return ranks_by_key(upsampled_keys(coarse_nodes, coarse_ranks, depth_keys(*fine.mesh, fine.sphere, fine.partition, cells)));
+  return ranks_by_key(
+      upsampled_keys(coarse_nodes, coarse_ranks, depth_keys(*fine.mesh, fine.sphere, fine.partition, cells)));
 }
 
-BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options) {
+BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine,
+                           const BudgetOptions& options) {
   return BudgetSearch(coarse, fine, options).run();
 }
 

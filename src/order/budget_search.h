@@ -1,8 +1,8 @@
 // The fewest orders that meet an error, or the least error for a number of orders.
 //
-// Multi-resolution: which views can share an order depends on the shape, hardly on its tessellation. So the clustering is
-// searched on a mesh of about a thousand triangles, from several starts, and carried to the full mesh (upsample.h), where
-// a few rounds finish it.
+// Multi-resolution: which views can share an order depends on the shape, hardly on its tessellation. So the
+// clustering is searched on a mesh of about a thousand triangles, from several starts, and carried to the
+// full mesh (upsample.h), where a few rounds finish it.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct BudgetOptions {
   double max_error = 0.001;  // mean IPR on held-out viewpoints
   std::uint32_t min_buffers = 1, max_buffers = 16;
   bool front_only = false;
-  ValidRange range{2, 5};    // of the held-out viewpoints
+  ValidRange range{2, 5};  // of the held-out viewpoints
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };
@@ -31,11 +31,13 @@ struct BudgetResult {
 };
 
 // `coarse` may be `fine` itself for small meshes.
-BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options);
+BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine,
+                           const BudgetOptions& options);
 
 // Ranks of the nodes of `fine` from those of `coarse`, for the views of `cells`.
 std::vector<std::uint32_t> carry_ranks(const OrderProblem& coarse, const OrderProblem& fine,
-                                       std::span<const NodeId> coarse_nodes, std::span<const std::uint32_t> coarse_ranks,
+                                       std::span<const NodeId> coarse_nodes,
+                                       std::span<const std::uint32_t> coarse_ranks,
                                        std::span<const std::uint32_t> cells);
 
 }  // namespace pellucid

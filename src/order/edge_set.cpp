@@ -10,7 +10,9 @@
 namespace pellucid {
 namespace {
 
-std::uint32_t node_count_of(const EdgeTable& table) { return static_cast<std::uint32_t>(table.row_ids.size() - 1); }
+std::uint32_t node_count_of(const EdgeTable& table) {
+  return static_cast<std::uint32_t>(table.row_ids.size() - 1);
+}
 
 // Call visit(back) for every edge of a node.
 template <class Visit>
@@ -18,10 +20,12 @@ void for_each_back(const EdgeTable& table, const EdgeSet& edges, NodeId front, c
   for (std::uint32_t i = edges.rows[front]; i < edges.rows[front + 1]; ++i) visit(table.backs[edges.ids[i]]);
 }
 
-// Kahn's algorithm over the nodes sequence[begin .. end) and those edges of two sets that stay inside. `position` is the
-// inverse of `sequence`. On success the window of the sequence is replaced by a topological order.
-bool sort_window(const EdgeTable& table, const EdgeSet& a, const EdgeSet* b, std::uint32_t begin, std::uint32_t end,
-                 const std::vector<std::uint32_t>& position, std::vector<NodeId>& sequence) {
+// Kahn's algorithm over the nodes sequence[begin .. end) and those edges of two sets that stay inside.
+// `position` is the inverse of `sequence`. On success the window of the sequence is replaced by a topological
+// order.
+bool sort_window(const EdgeTable& table, const EdgeSet& a, const EdgeSet* b, std::uint32_t begin,
+                 std::uint32_t end, const std::vector<std::uint32_t>& position,
+                 std::vector<NodeId>& sequence) {
   const auto inside = [&](NodeId node) { return position[node] >= begin && position[node] < end; };
   std::vector<std::uint32_t> predecessors(end - begin, 0);
   const auto for_each_edge_of = [&](NodeId front, const auto& visit) {
@@ -62,7 +66,8 @@ EdgeTable make_edge_table(const OcclusionGraph& graph) {
   tbb::parallel_for(std::uint32_t{0}, graph.node_count, [&](NodeId front) {
     std::vector<NodeId>& row = rows[front];
     for (const EdgeRows& cell : graph.cells) {
-      row.insert(row.end(), cell.backs.begin() + cell.offsets[front], cell.backs.begin() + cell.offsets[front + 1]);
+      row.insert(row.end(), cell.backs.begin() + cell.offsets[front],
+                 cell.backs.begin() + cell.offsets[front + 1]);
     }
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
@@ -76,6 +81,16 @@ EdgeTable make_edge_table(const OcclusionGraph& graph) {
   }
   table.backs.reserve(table.row_ids.back());
   for (const std::vector<NodeId>& row : rows) table.backs.insert(table.backs.end(), row.begin(), row.end());
+  table.reverse.resize(table.backs.size());
+  tbb::parallel_for(std::uint32_t{0}, graph.node_count, [&](NodeId front) {
+    for (std::uint32_t id = table.row_ids[front]; id < table.row_ids[front + 1]; ++id) {
+      const auto begin = table.backs.begin() + table.row_ids[table.backs[id]];
+      const auto end = table.backs.begin() + table.row_ids[table.backs[id] + 1];
+      const auto found = std::lower_bound(begin, end, front);
+      table.reverse[id] =
+          found != end && *found == front ? static_cast<std::uint32_t>(found - table.backs.begin()) : kNoEdge;
+    }
+  });
   return table;
 }
 
@@ -100,8 +115,9 @@ EdgeSet unite(const EdgeSet& a, const EdgeSet& b) {
   set.rows.reserve(a.rows.size());
   set.rows.push_back(0);
   for (std::size_t node = 0; node + 1 < a.rows.size(); ++node) {
-    std::set_union(a.ids.begin() + a.rows[node], a.ids.begin() + a.rows[node + 1], b.ids.begin() + b.rows[node],
-                   b.ids.begin() + b.rows[node + 1], std::back_inserter(set.ids));
+    std::set_union(a.ids.begin() + a.rows[node], a.ids.begin() + a.rows[node + 1],
+                   b.ids.begin() + b.rows[node], b.ids.begin() + b.rows[node + 1],
+                   std::back_inserter(set.ids));
     set.rows.push_back(static_cast<std::uint32_t>(set.ids.size()));
   }
   return set;
@@ -154,12 +170,19 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
   std::uint32_t end = 0;
   for (NodeId front = 0; front < node_count_of(table); ++front) {
     const std::uint32_t rank = ranks[front];
-    for_each_back(table, added, front, [&](NodeId back) {
-      if (ranks[back] < rank) {
-        begin = std::min(begin, ranks[back]);
-        end = std::max(end, rank + 1);
+    for (std::uint32_t i = added.rows[front]; i < added.rows[front + 1]; ++i) {
+      const std::uint32_t id = added.ids[i];
+      const NodeId back = table.backs[id];
+      if (ranks[back] > rank) continue;
+      // Most conflicts are as short as can be: the reverse edge.
+      if (table.reverse[id] != kNoEdge &&
+          std::binary_search(base.ids.begin() + base.rows[back], base.ids.begin() + base.rows[back + 1],
+                             table.reverse[id])) {
+        return false;
       }
-    });
+      begin = std::min(begin, ranks[back]);
+      end = std::max(end, rank + 1);
+    }
   }
   if (begin >= end) return true;
   std::vector<NodeId> sequence = inverse(ranks);

@@ -31,17 +31,28 @@ EdgeRows transposed(const EdgeRows& edges) {
 class Sifter {
  public:
   Sifter(const PairWishes& wishes, std::vector<std::uint32_t>& ranks)
-      : wishes_(wishes), ranks_(ranks), positions_(ranks.begin(), ranks.end()), sequence_(ranks.size()) {}
+      : wishes_(wishes),
+        ranks_(ranks),
+        positions_(ranks.begin(), ranks.end()),
+        sequence_(ranks.size()),
+        unsettled_(ranks.size(), 1) {}
 
-  // Give every node, front to back, the best place among its neighbours.
-  void sweep() {
+  // Give every node, front to back, the best place among its neighbours. Returns the weight saved. A node is
+  // looked at again only after it or a neighbour moved.
+  double sweep() {
     for (NodeId node = 0; node < ranks_.size(); ++node) sequence_[ranks_[node]] = node;
     for (NodeId node = 0; node < ranks_.size(); ++node) positions_[node] = ranks_[node];
-    for (const NodeId node : sequence_) move(node);
+    double saved = 0;
+    for (const NodeId node : sequence_) {
+      if (unsettled_[node] == 0) continue;
+      unsettled_[node] = 0;
+      saved += move(node);
+    }
     std::sort(sequence_.begin(), sequence_.end(), [&](NodeId a, NodeId b) {
       return positions_[a] != positions_[b] ? positions_[a] < positions_[b] : ranks_[a] < ranks_[b];
     });
     for (std::uint32_t rank = 0; rank < sequence_.size(); ++rank) ranks_[sequence_[rank]] = rank;
+    return saved;
   }
 
  private:
@@ -50,7 +61,7 @@ class Sifter {
     float weight;
   };
 
-  void move(NodeId node) {
+  double move(NodeId node) {
     const double here = positions_[node];
     // Only places between the outermost violated neighbours can be better than this one.
     double first = here;
@@ -65,22 +76,36 @@ class Sifter {
         last = std::max(last, there);
       }
     }
-    if (first == here && last == here) return;
+    if (first == here && last == here) return 0;
 
     before_.clear();
     after_.clear();
+    double beyond_first = -1;  // the next neighbours outside, between which and the span a place is free
+    double beyond_last = static_cast<double>(ranks_.size());
     for (std::uint32_t i = begin; i < end; ++i) {
       const double there = positions_[wishes_.neighbors[i]];
-      if (there < here && there >= first) before_.push_back({there, wishes_.weights[i]});
-      if (there > here && there <= last) after_.push_back({there, wishes_.weights[i]});
+      if (there < first) {
+        beyond_first = std::max(beyond_first, there);
+      } else if (there > last) {
+        beyond_last = std::min(beyond_last, there);
+      } else if (there < here) {
+        before_.push_back({there, wishes_.weights[i]});
+      } else {
+        after_.push_back({there, wishes_.weights[i]});
+      }
     }
     // Moving towards the front past v changes the cost by -weight, towards the back by +weight.
-    std::sort(before_.begin(), before_.end(), [](const Neighbor& a, const Neighbor& b) { return a.position > b.position; });
-    std::sort(after_.begin(), after_.end(), [](const Neighbor& a, const Neighbor& b) { return a.position < b.position; });
-    const Place forward = best_place(before_, -1.0F, first - 1.0);
-    const Place backward = best_place(after_, 1.0F, last + 1.0);
-    if (forward.gain <= 0 && backward.gain <= 0) return;
-    positions_[node] = forward.gain >= backward.gain ? forward.position : backward.position;
+    std::sort(before_.begin(), before_.end(),
+              [](const Neighbor& a, const Neighbor& b) { return a.position > b.position; });
+    std::sort(after_.begin(), after_.end(),
+              [](const Neighbor& a, const Neighbor& b) { return a.position < b.position; });
+    const Place forward = best_place(before_, -1.0F, beyond_first);
+    const Place backward = best_place(after_, 1.0F, beyond_last);
+    const Place& best = forward.gain >= backward.gain ? forward : backward;
+    if (best.gain <= 0) return 0;
+    positions_[node] = best.position;
+    for (std::uint32_t i = begin; i < end; ++i) unsettled_[wishes_.neighbors[i]] = 1;
+    return best.gain;
   }
 
   struct Place {
@@ -88,7 +113,8 @@ class Sifter {
     double position = 0;
   };
 
-  // Pass the neighbours one by one; the best gap lies between the last one passed and the next (`beyond` after the last).
+  // Pass the neighbours one by one; the best gap lies between the last one passed and the next (`beyond`
+  // after the last).
   static Place best_place(const std::vector<Neighbor>& passed, float sign, double beyond) {
     Place best;
     double gain = 0;
@@ -106,6 +132,7 @@ class Sifter {
   std::vector<std::uint32_t>& ranks_;
   std::vector<double> positions_;  // ranks, and fractions between them for nodes that moved in this sweep
   std::vector<NodeId> sequence_;
+  std::vector<std::uint8_t> unsettled_;
   std::vector<Neighbor> before_, after_;
 };
 
@@ -159,19 +186,20 @@ double violated_weight(const PairWishes& wishes, std::span<const std::uint32_t> 
 }
 
 double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks) {
-  double best = violated_weight(wishes, ranks);
+  const double before = violated_weight(wishes, ranks);
   std::vector<std::uint32_t> trial = ranks;
   Sifter sifter(wishes, trial);
-  for (std::uint32_t sweep = 0; sweep < options.sweeps && best > 0; ++sweep) {
-    sifter.sweep();
-    const double violated = violated_weight(wishes, trial);
-    if (violated >= best) break;
-    const bool worth_another = violated < best * (1.0 - options.least_gain);
-    best = violated;
-    ranks = trial;
-    if (!worth_another) break;
+  double left = before;
+  for (std::uint32_t sweep = 0; sweep < options.sweeps && left > 0; ++sweep) {
+    const double saved = sifter.sweep();
+    if (saved <= options.least_gain * left) break;
+    left -= saved;
   }
-  return best;
+  // Fractions between neighbours can run out of digits: trust the count, not the sum of the gains.
+  const double after = violated_weight(wishes, trial);
+  if (after >= before) return before;
+  ranks = std::move(trial);
+  return after;
 }
 
 std::vector<std::uint32_t> ranks_by_key(std::span<const double> keys) {

@@ -1,9 +1,10 @@
 // Linear orders that violate as little weight as possible: the minimum feedback arc problem, by sifting.
 //
-// Used for transparency (nodes are facings, weights are wrongly drawn areas) and open to any other items and costs that
-// can be written as "weight lost if u comes after v" (orders.md: one optimiser for both papers).
-// Sifting: C. Brandenburg, K. Hanauer, "Sorting heuristics for the feedback arc set problem", 2011. Differs in: only the
-// span between a node's violated neighbours is searched, so that a sweep over a good order costs one pass over the edges.
+// Used for transparency (nodes are facings, weights are wrongly drawn areas) and open to any other items and
+// costs that can be written as "weight lost if u comes after v" (orders.md: one optimiser for both papers).
+// Sifting: C. Brandenburg, K. Hanauer, "Sorting heuristics for the feedback arc set problem", 2011. Differs
+// in: only the span between a node's violated neighbours is searched, so that a sweep over a good order costs
+// one pass over the edges.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@
 
 namespace pellucid {
 
-// Net wishes between pairs: for u's neighbour v, weight > 0 means "u before v saves this much", < 0 the opposite.
-// Every pair stands in both rows with opposite signs.
+// Net wishes between pairs: for u's neighbour v, weight > 0 means "u before v saves this much", < 0 the
+// opposite. Every pair stands in both rows with opposite signs.
 struct PairWishes {
   std::vector<std::uint32_t> offsets;  // nodes + 1
   std::vector<NodeId> neighbors;
@@ -32,8 +33,8 @@ struct SiftOptions {
   // Stop when a sweep lowers the violated weight by less than this share.
   double least_gain = 0.01;
 };
-// Improve `ranks` (a permutation of 0 .. nodes - 1) in place; never makes it worse. Returns the violated weight.
-// O(edges) a sweep, plus sorting of what violated nodes look at.
+// Improve `ranks` (a permutation of 0 .. nodes - 1) in place; never makes it worse. Returns the violated
+// weight. O(edges) a sweep, plus sorting of what violated nodes look at.
 double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks);
 
 // Ranks of nodes sorted by key, ties by node.

@@ -14,22 +14,29 @@
 namespace pellucid {
 namespace {
 
-// Samples are shared between neighbouring cells. Cells are visited in batches of neighbours (their numbering follows
-// the subdivision); a sample's edges are found when the first cell needs them and freed after the last.
+// Samples are shared between neighbouring cells. Cells are visited in batches of neighbours (their numbering
+// follows the subdivision); a sample's edges are found when the first cell needs them and freed after the
+// last.
 constexpr std::uint32_t kCellsPerBatch = 16;
 
 class GraphBuilder {
  public:
   GraphBuilder(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
                const GraphOptions& options)
-      : scene_{mesh, sphere, unit_positions(mesh, sphere), options.front_only, options.tolerance, options.raster_size},
+      : scene_{mesh,
+               sphere,
+               unit_positions(mesh, sphere),
+               options.front_only,
+               options.tolerance,
+               options.raster_size},
         partition_(partition),
         options_(options),
         views_per_sample_(options.all_distances ? options.distances.size() : 1),
         views_(partition.samples.size() * views_per_sample_),
         uses_left_(partition.samples.size(), 0),
         scratch_([] { return OcclusionScratch{}; }),
-        accumulators_([n = mesh.triangles.size()] { return RowAccumulator(static_cast<std::uint32_t>(2 * n)); }) {
+        accumulators_(
+            [n = mesh.triangles.size()] { return RowAccumulator(static_cast<std::uint32_t>(2 * n)); }) {
     for (const std::uint32_t sample : partition.cell_samples) ++uses_left_[sample];
   }
 
@@ -133,7 +140,8 @@ class GraphBuilder {
   const ViewPartition& partition_;
   const GraphOptions& options_;
   std::size_t views_per_sample_;
-  std::vector<ViewpointEdges> views_;  // by sample and distance; empty before its first use and after its last
+  std::vector<ViewpointEdges>
+      views_;  // by sample and distance; empty before its first use and after its last
   std::vector<std::uint32_t> uses_left_;
   tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
   tbb::enumerable_thread_specific<RowAccumulator> accumulators_;
@@ -174,8 +182,8 @@ double RowAccumulator::flush(EdgeRows& rows, float least) {
   return left_out;
 }
 
-OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
-                                     const GraphOptions& options) {
+OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere,
+                                     const ViewPartition& partition, const GraphOptions& options) {
   return GraphBuilder(mesh, sphere, partition, options).build();
 }
 
@@ -184,7 +192,8 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
   constexpr std::uint32_t kRowsPerBlock = 1024;
   const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
   std::vector<EdgeRows> parts(blocks);
-  tbb::enumerable_thread_specific<RowAccumulator> accumulators([&] { return RowAccumulator(graph.node_count); });
+  tbb::enumerable_thread_specific<RowAccumulator> accumulators(
+      [&] { return RowAccumulator(graph.node_count); });
   tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
     RowAccumulator& accumulator = accumulators.local();
     const std::uint32_t end = std::min((block + 1) * kRowsPerBlock, graph.node_count);

@@ -10,8 +10,9 @@
 
 namespace pellucid {
 
-// Weighted edges front -> back between nodes, in rows by front node. The weight of an edge is the area of the picture
-// (square bounding radii) in which front covers back, averaged over the viewpoints that the graph stands for.
+// Weighted edges front -> back between nodes, in rows by front node. The weight of an edge is the area of the
+// picture (square bounding radii) in which front covers back, averaged over the viewpoints that the graph
+// stands for.
 struct EdgeRows {
   std::vector<std::uint32_t> offsets;  // nodes + 1
   std::vector<NodeId> backs;
@@ -46,12 +47,13 @@ struct GraphOptions {
   Progress* progress = nullptr;
 };
 
-// O(viewpoints * (triangles + pairs)); memory: the cells' edges (8 bytes each) and the edges of the viewpoints of a
-// few cells at a time.
-OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
-                                     const GraphOptions& options);
+// O(viewpoints * (triangles + pairs)); memory: the cells' edges (8 bytes each) and the edges of the
+// viewpoints of a few cells at a time.
+OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere,
+                                     const ViewPartition& partition, const GraphOptions& options);
 
-// Adds up rows of many graphs without sorting keys: a dense accumulator per row (Gustavson's sparse accumulator).
+// Adds up rows of many graphs without sorting keys: a dense accumulator per row (Gustavson's sparse
+// accumulator).
 class RowAccumulator {
  public:
   explicit RowAccumulator(std::uint32_t node_count)
@@ -68,7 +70,8 @@ class RowAccumulator {
       }
     }
   }
-  // Append the row to `rows`, sorted by back node, without entries below `least`, and clear. Returns the weight left out.
+  // Append the row to `rows`, sorted by back node, without entries below `least`, and clear. Returns the
+  // weight left out.
   double flush(EdgeRows& rows, float least);
 
  private:

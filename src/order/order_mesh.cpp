@@ -17,16 +17,18 @@
 namespace pellucid {
 namespace {
 
-// The authors' slack for the acyclic method, bounding radii: without one, overlaps that no pixel shows forbid sharing.
+// The authors' slack for the acyclic method, bounding radii: without one, overlaps that no pixel shows forbid
+// sharing.
 constexpr double kAcyclicTolerance = 0.003;
-// Above this many triangles the occlusion graph of S[2,2] outgrows a workstation: order a simplified mesh and upsample.
+// Above this many triangles the occlusion graph of S[2,2] outgrows a workstation: order a simplified mesh and
+// upsample.
 constexpr std::uint32_t kMostDirectTriangles = 60000;
 constexpr std::uint32_t kUpsampleFrom = 20000;
-// Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a pixel of a
-// 1024 x 1024 picture. They are counted (pruned weight) but not kept.
+// Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a
+// pixel of a 1024 x 1024 picture. They are counted (pruned weight) but not kept.
 constexpr float kLeastWeight = 3e-8F;
-// A budget order's edges lighter than this do not bind its vertex-cache sequence: the cell-averaged weight of about half
-// a pixel of a 1024 x 1024 picture, summed over a cluster.
+// A budget order's edges lighter than this do not bind its vertex-cache sequence: the cell-averaged weight of
+// about half a pixel of a 1024 x 1024 picture, summed over a cluster.
 constexpr float kLeastBindingWeight = 1e-6F;
 
 class Stopwatch {
@@ -52,7 +54,8 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::nothing_to_do, "the mesh has no triangles to order");
   if (mesh.triangles.size() >= (std::uint64_t{1} << 30U)) refuse("the mesh has more than 2^30 triangles");
   for (const double distance : options.distances) {
-    if (!(distance > 1.0)) refuse("distances are in bounding radii and must be greater than 1, the sphere itself");
+    if (!(distance > 1.0))
+      refuse("distances are in bounding radii and must be greater than 1, the sphere itself");
   }
   if (!(options.max_error >= 0)) refuse("the largest error must not be negative");
   if (options.max_buffers == 0 || options.min_buffers == 0) refuse("at least one buffer is needed");
@@ -66,17 +69,19 @@ std::vector<std::uint8_t> visible_nodes(const OrderProblem& problem, const std::
                                         const ValidRange& range, Facing facing) {
   const Mesh& mesh = *problem.mesh;
   std::vector<std::uint8_t> drawn(2 * mesh.triangles.size(), 0);
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()), [&](std::uint32_t t) {
-    const Vec3d normal = triangle_normal(mesh, t);
-    const double offset = dot(normal, to_double(mesh.positions[mesh.triangles[t][0]]) - problem.sphere.center);
-    const auto seen = [&](const Vec3d& n, double o) {
-      return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
-        return front_visible(problem.partition, cell, n, o, problem.sphere.radius, range.from, range.to);
+  tbb::parallel_for(
+      std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()), [&](std::uint32_t t) {
+        const Vec3d normal = triangle_normal(mesh, t);
+        const double offset =
+            dot(normal, to_double(mesh.positions[mesh.triangles[t][0]]) - problem.sphere.center);
+        const auto seen = [&](const Vec3d& n, double o) {
+          return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
+            return front_visible(problem.partition, cell, n, o, problem.sphere.radius, range.from, range.to);
+          });
+        };
+        drawn[node_of(t, false)] = seen(normal, offset) ? 1 : 0;
+        if (facing == Facing::duplicated) drawn[node_of(t, true)] = seen(-normal, -offset) ? 1 : 0;
       });
-    };
-    drawn[node_of(t, false)] = seen(normal, offset) ? 1 : 0;
-    if (facing == Facing::duplicated) drawn[node_of(t, true)] = seen(-normal, -offset) ? 1 : 0;
-  });
   return drawn;
 }
 
@@ -108,6 +113,18 @@ std::vector<std::uint32_t> cache_positions(const Mesh& mesh) {
   std::vector<std::uint32_t> positions(mesh.triangles.size());
   for (std::size_t i = 0; i < positions.size(); ++i) positions[before[i]] = after[i];
   return positions;
+}
+
+// Fewer cells of the same sampling density, for the search.
+PartitionSpec coarse_partition(const PartitionSpec& spec) {
+  if (spec.kind == PartitionKind::viewpoints) return spec;
+  PartitionSpec coarse = spec;
+  if (coarse.level > 1) {
+    --coarse.level;
+    ++coarse.sample_level;
+  }
+  coarse.sample_level = std::min(coarse.sample_level, coarse.level > 1 ? 1U : 2U);
+  return coarse;
 }
 
 // The edges between faces as stored, without the flipped twins.
@@ -144,10 +161,9 @@ class Orderer {
     const bool has_coarse = ordered.triangles.size() > 2 * kCoarseTriangles;
     const Mesh coarse_mesh = has_coarse ? simplify(ordered, kCoarseTriangles) : Mesh{};
     const OrderProblem fine = make_problem(ordered, options_.partition, options_, tolerance_of(options_));
-    PartitionSpec coarse_partition = options_.partition;
-    coarse_partition.sample_level = std::min(coarse_partition.sample_level, 1U);
     const OrderProblem coarse_own =
-        has_coarse ? make_problem(coarse_mesh, coarse_partition, options_, 0.0) : OrderProblem{};
+        has_coarse ? make_problem(coarse_mesh, coarse_partition(options_.partition), options_, 0.0)
+                   : OrderProblem{};
     const OrderProblem& coarse = has_coarse ? coarse_own : fine;
     record_graph(fine.graph);
     result_.statistics.seconds.graph = stage.lap();
@@ -162,7 +178,8 @@ class Orderer {
     for (std::uint32_t c = 0; c < clustering.cluster_count(); ++c) {
       stop_if_requested(options_.progress);
       NodeSequence sequence = sequence_cluster(fine, clustering, c);
-      if (upsampling) sequence = upsample_sequence(sequence, parents, cells_of_cluster(clustering.cluster_of, c));
+      if (upsampling)
+        sequence = upsample_sequence(sequence, parents, cells_of_cluster(clustering.cluster_of, c));
       result_.orders.orders[c] = std::move(sequence);
       advance_stage(options_.progress, 1);
     }
@@ -179,13 +196,15 @@ class Orderer {
     OrderStatistics& statistics = result_.statistics;
     statistics.triangles = mesh_.triangles.size();
     statistics.viewpoints = graph.viewpoint_count;
-    statistics.edges_per_viewpoint = graph.viewpoint_count == 0 ? 0 : graph.viewpoint_edges / graph.viewpoint_count;
+    statistics.edges_per_viewpoint =
+        graph.viewpoint_count == 0 ? 0 : graph.viewpoint_edges / graph.viewpoint_count;
     for (const EdgeRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
     statistics.intersecting_pairs = graph.intersecting;
   }
 
   Clustering cluster(const OrderProblem& coarse, const OrderProblem& fine) {
-    if (options_.method == OrderMethod::acyclic) return cluster_acyclically(fine, options_, result_.statistics);
+    if (options_.method == OrderMethod::acyclic)
+      return cluster_acyclically(fine, options_, result_.statistics);
     BudgetOptions budget;
     budget.max_error = options_.max_error;
     budget.min_buffers = options_.min_buffers;
@@ -200,17 +219,20 @@ class Orderer {
     return std::move(found.clustering);
   }
 
-  NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering, std::uint32_t c) const {
+  NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering,
+                                std::uint32_t c) const {
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, c);
     const std::vector<std::uint8_t> drawn = visible_nodes(problem, cells, range_, options_.facing);
     const std::vector<std::uint32_t>& ranks = clustering.ranks[c];
     if (options_.cache_size == 0) return rank_sequence(ranks, drawn);
     const float least = options_.method == OrderMethod::acyclic ? 0.0F : kLeastBindingWeight;
-    const SequenceConstraints constraints = agreeing_edges(sum_cells(problem.graph, cells), ranks, drawn, least);
+    const SequenceConstraints constraints =
+        agreeing_edges(sum_cells(problem.graph, cells), ranks, drawn, least);
     return cache_aware_sequence(*problem.mesh, constraints, ranks, drawn, options_.cache_size);
   }
 
-  // Replace every node of the simplified mesh by the nodes of the full mesh that lie nearest to it, in cache order.
+  // Replace every node of the simplified mesh by the nodes of the full mesh that lie nearest to it, in cache
+  // order.
   NodeSequence upsample_sequence(const NodeSequence& coarse_sequence, const std::vector<NodeId>& parents,
                                  const std::vector<std::uint32_t>& cells) {
     OrderProblem full;
@@ -243,8 +265,8 @@ class Orderer {
     return sequence;
   }
 
-  // One order for every view, for viewers that know of no others: back to front over the faces as stored. Runs of
-  // cache-friendly triangles are sorted by the coarse mesh's best single order.
+  // One order for every view, for viewers that know of no others: back to front over the faces as stored.
+  // Runs of cache-friendly triangles are sorted by the coarse mesh's best single order.
   void write_base_sequence(const OrderProblem& coarse) {
     std::vector<std::uint32_t> all_cells(coarse.partition.cell_count());
     std::iota(all_cells.begin(), all_cells.end(), 0U);
@@ -259,11 +281,13 @@ class Orderer {
     } else {
       parents = nearest_coarse_nodes(mesh_, *coarse.mesh);
     }
-    const std::vector<std::uint32_t> positions = full_cache_positions_.empty() ? cache_positions(mesh_) : full_cache_positions_;
+    const std::vector<std::uint32_t> positions =
+        full_cache_positions_.empty() ? cache_positions(mesh_) : full_cache_positions_;
     std::vector<std::uint32_t> cache_order(mesh_.triangles.size());
     for (std::uint32_t t = 0; t < cache_order.size(); ++t) cache_order[positions[t]] = t;
 
-    constexpr std::size_t kRun = 32;  // triangles: long enough to keep the cache warm, short enough to follow the order
+    constexpr std::size_t kRun =
+        32;  // triangles: long enough to keep the cache warm, short enough to follow the order
     struct Run {
       double rank;
       std::size_t begin, end;
@@ -271,7 +295,8 @@ class Orderer {
     std::vector<Run> runs;
     for (std::size_t begin = 0; begin < cache_order.size(); begin += kRun) {
       Run run{0, begin, std::min(begin + kRun, cache_order.size())};
-      for (std::size_t i = run.begin; i < run.end; ++i) run.rank += ranks[parents[2 * std::size_t{cache_order[i]}]];
+      for (std::size_t i = run.begin; i < run.end; ++i)
+        run.rank += ranks[parents[2 * std::size_t{cache_order[i]}]];
       run.rank /= static_cast<double>(run.end - run.begin);
       runs.push_back(run);
     }
@@ -302,12 +327,15 @@ class Orderer {
 
 }  // namespace
 
-std::vector<double> default_distances() { return {1.5, 3.0, kInfiniteDistance}; }
+std::vector<double> default_distances() {
+  return {1.5, 3.0, kInfiniteDistance};
+}
 
 ValidRange valid_range(const std::vector<double>& distances) {
   const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
   if (*least < *most) return {*least, *most};
-  // One distance: near it. From infinity the view of a finite camera differs by its perspective, 1 / distance.
+  // One distance: near it. From infinity the view of a finite camera differs by its perspective, 1 /
+  // distance.
   constexpr double kFarEnough = 8;
   if (std::isinf(*least)) return {kFarEnough, kInfiniteDistance};
   return {std::max(1.0, 0.75 * *least), 1.5 * *least};
@@ -332,6 +360,8 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
   return problem;
 }
 
-OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) { return Orderer(mesh, options).run(); }
+OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) {
+  return Orderer(mesh, options).run();
+}
 
 }  // namespace pellucid

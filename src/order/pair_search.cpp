@@ -68,8 +68,8 @@ namespace {
 
 HWY_EXPORT(pairs_in_cell);
 
-constexpr std::size_t kPadding = 64;        // floats: one vector of any target
-constexpr double kCellsPerExtent = 1.5;     // grid cell width in mean triangle extents
+constexpr std::size_t kPadding = 64;     // floats: one vector of any target
+constexpr double kCellsPerExtent = 1.5;  // grid cell width in mean triangle extents
 constexpr std::int32_t kMostColumns = 2048;
 constexpr std::uint64_t kMostEntriesPerTriangle = 12;
 
@@ -79,8 +79,8 @@ PairSearch::CellRange PairSearch::cells_of(const Bounds2& b) const {
   const auto cell = [&](float value, float origin, std::int32_t count) {
     return std::clamp(static_cast<std::int32_t>((value - origin) * scale_), 0, count - 1);
   };
-  return {cell(b.min_x, origin_x_, columns_), cell(b.min_y, origin_y_, rows_), cell(b.max_x, origin_x_, columns_),
-          cell(b.max_y, origin_y_, rows_)};
+  return {cell(b.min_x, origin_x_, columns_), cell(b.min_y, origin_y_, rows_),
+          cell(b.max_x, origin_x_, columns_), cell(b.max_y, origin_y_, rows_)};
 }
 
 void PairSearch::choose_grid(const std::vector<Bounds2>& bounds) {
@@ -112,7 +112,9 @@ void PairSearch::choose_grid(const std::vector<Bounds2>& bounds) {
 }
 
 void PairSearch::fill_grid(const std::vector<Bounds2>& bounds) {
-  const auto cell_id = [&](std::int32_t x, std::int32_t y) { return static_cast<std::size_t>(y * columns_ + x); };
+  const auto cell_id = [&](std::int32_t x, std::int32_t y) {
+    return static_cast<std::size_t>(y * columns_ + x);
+  };
   const auto cell_count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   starts_.assign(cell_count + 1, 0);
   for (const Bounds2& b : bounds) {
@@ -153,7 +155,8 @@ void PairSearch::find(const std::vector<Bounds2>& bounds, std::vector<CandidateP
   const auto pairs_of = HWY_DYNAMIC_DISPATCH(pairs_in_cell);
   for (std::size_t c = 0; c + 1 < starts_.size(); ++c) {
     const std::size_t s = starts_[c];
-    pairs_of({&min_x_[s], &min_y_[s], &max_x_[s], &max_y_[s], &begins_[s], &index_[s], starts_[c + 1] - s}, pairs);
+    pairs_of({&min_x_[s], &min_y_[s], &max_x_[s], &max_y_[s], &begins_[s], &index_[s], starts_[c + 1] - s},
+             pairs);
   }
 }
 

@@ -29,8 +29,8 @@ class PairSearch {
   std::int32_t columns_ = 1, rows_ = 1;
   std::vector<std::uint32_t> starts_;  // per grid cell, into the entry arrays
   std::vector<std::uint32_t> cursor_;
-  // One entry per triangle and grid cell it touches, structure of arrays in cell order. `begins` has bit 0 set where
-  // the triangle's bounds begin in this column, bit 1 for the row.
+  // One entry per triangle and grid cell it touches, structure of arrays in cell order. `begins` has bit 0
+  // set where the triangle's bounds begin in this column, bit 1 for the row.
   std::vector<float> min_x_, min_y_, max_x_, max_y_;
   std::vector<std::int32_t> begins_, index_;
 };

@@ -55,7 +55,8 @@ void load_triangles(const float* triangles, Ints indices, pair_test::Corners<Vec
   plane = {field(6), field(7), field(8)};
 }
 
-void append_edges(VectorLanes::M mask, Ints front, Ints back, VectorLanes::V area, std::vector<PairEdge>& edges) {
+void append_edges(VectorLanes::M mask, Ints front, Ints back, VectorLanes::V area,
+                  std::vector<PairEdge>& edges) {
   HWY_ALIGN std::int32_t fronts[hn::MaxLanes(kInts)];
   HWY_ALIGN std::int32_t backs[hn::MaxLanes(kInts)];
   HWY_ALIGN float areas[hn::MaxLanes(kFloats)];
@@ -103,8 +104,8 @@ void test_pairs(const ScreenTriangles& screen, std::span<const CandidatePair> pa
     const auto a_front = hn::And(used, verdict.a_in_front);
     const auto edge = hn::And(used, hn::Or(verdict.a_in_front, verdict.b_in_front));
     const auto int_front = hn::RebindMask(kInts, a_front);
-    append_edges(edge, hn::IfThenElse(int_front, a_index, b_index), hn::IfThenElse(int_front, b_index, a_index),
-                 verdict.area, edges);
+    append_edges(edge, hn::IfThenElse(int_front, a_index, b_index),
+                 hn::IfThenElse(int_front, b_index, a_index), verdict.area, edges);
 
     const auto unsure = hn::And(used, verdict.doubtful);
     if (!hn::AllFalse(kFloats, unsure)) {

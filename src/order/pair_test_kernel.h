@@ -1,8 +1,9 @@
-// The arithmetic of the narrow phase, written once over a "lanes" type L: a Highway vector, or one float for the tests.
-// Only + - * / sqrt and comparisons, no fused multiply-add: every target computes the same bits.
+// The arithmetic of the narrow phase, written once over a "lanes" type L: a Highway vector, or one float for
+// the tests. Only + - * / sqrt and comparisons, no fused multiply-add: every target computes the same bits.
 //
-// Included inside a namespace, once for each instruction set, so that the compiler builds it with that set: there is no
-// include guard on purpose. L provides the types V (values) and M (masks) and the operations used below.
+// Included inside a namespace, once for each instruction set, so that the compiler builds it with that set:
+// there is no include guard on purpose. L provides the types V (values) and M (masks) and the operations used
+// below.
 
 namespace pair_test {
 
@@ -29,7 +30,8 @@ struct Overlap {
 };
 
 template <class L>
-EdgeFunctions<typename L::V> edge_functions(const Corners<typename L::V>& edges, const Corners<typename L::V>& points) {
+EdgeFunctions<typename L::V> edge_functions(const Corners<typename L::V>& edges,
+                                            const Corners<typename L::V>& points) {
   using V = typename L::V;
   EdgeFunctions<V> e;
   for (int i = 0; i < 3; ++i) {
@@ -38,7 +40,8 @@ EdgeFunctions<typename L::V> edge_functions(const Corners<typename L::V>& edges,
     const V dy = L::sub(edges.y[k], edges.y[i]);
     for (int j = 0; j < 3; ++j) {
       // Exactly 0 where the point is a corner of the edge: both products are then the same two factors.
-      e.f[i][j] = L::sub(L::mul(dx, L::sub(points.y[j], edges.y[i])), L::mul(dy, L::sub(points.x[j], edges.x[i])));
+      e.f[i][j] =
+          L::sub(L::mul(dx, L::sub(points.y[j], edges.y[i])), L::mul(dy, L::sub(points.x[j], edges.x[i])));
     }
   }
   return e;
@@ -61,9 +64,9 @@ typename L::M apart(const Corners<typename L::V>& edges, const EdgeFunctions<typ
   return result;
 }
 
-// Add the pieces of `own`'s edges that lie inside the other triangle, whose edge functions at own's corners are `e`.
-// An edge that runs along an edge of the other is a boundary of the overlap once, not twice: `closed` says whether
-// this triangle contributes it.
+// Add the pieces of `own`'s edges that lie inside the other triangle, whose edge functions at own's corners
+// are `e`. An edge that runs along an edge of the other is a boundary of the overlap once, not twice:
+// `closed` says whether this triangle contributes it.
 template <class L, bool closed>
 void add_boundary(const Corners<typename L::V>& own, const EdgeFunctions<typename L::V>& e,
                   const Plane<typename L::V>& difference, Overlap<typename L::V>& overlap) {
@@ -109,8 +112,9 @@ struct Verdict {
   typename L::V area;
 };
 
-// Bound of the rounding errors of a height difference: coordinates of size about 1 rounded to single precision,
-// magnified by the slopes, and the few operations that follow, on numbers of the size of the triangles.
+// Bound of the rounding errors of a height difference: coordinates of size about 1 rounded to single
+// precision, magnified by the slopes, and the few operations that follow, on numbers of the size of the
+// triangles.
 constexpr float kRounding = 2e-7F;
 // An overlap smaller than this share of its square extent is rounding noise of the boundary sum.
 constexpr float kAreaNoise = 1e-6F;
@@ -118,7 +122,8 @@ constexpr float kAreaNoise = 1e-6F;
 // Corners of both triangles are relative to A's first corner, which keeps rounding errors small.
 template <class L>
 Verdict<L> decide(const Corners<typename L::V>& a, const Plane<typename L::V>& plane_a,
-                  const Corners<typename L::V>& b, const Plane<typename L::V>& plane_b, typename L::V tolerance) {
+                  const Corners<typename L::V>& b, const Plane<typename L::V>& plane_b,
+                  typename L::V tolerance) {
   using V = typename L::V;
   const V zero = L::set(0.0F);
   const EdgeFunctions<V> b_in_a = edge_functions<L>(a, b);
@@ -127,24 +132,29 @@ Verdict<L> decide(const Corners<typename L::V>& a, const Plane<typename L::V>& p
 
   V extent = zero;
   for (int i = 0; i < 3; ++i) {
-    extent = L::max(extent, L::max(L::max(L::abs(a.x[i]), L::abs(a.y[i])), L::max(L::abs(b.x[i]), L::abs(b.y[i]))));
+    extent = L::max(extent,
+                    L::max(L::max(L::abs(a.x[i]), L::abs(a.y[i])), L::max(L::abs(b.x[i]), L::abs(b.y[i]))));
   }
 
   // Height of A minus height of B as a plane over the common origin, A's first corner.
-  const V height_b = L::sub(plane_b.height, L::add(L::mul(plane_b.slope_x, b.x[0]), L::mul(plane_b.slope_y, b.y[0])));
+  const V height_b =
+      L::sub(plane_b.height, L::add(L::mul(plane_b.slope_x, b.x[0]), L::mul(plane_b.slope_y, b.y[0])));
   const Plane<V> difference{L::sub(plane_a.height, height_b), L::sub(plane_a.slope_x, plane_b.slope_x),
                             L::sub(plane_a.slope_y, plane_b.slope_y)};
   const V slopes = L::add(L::add(L::abs(plane_a.slope_x), L::abs(plane_a.slope_y)),
                           L::add(L::abs(plane_b.slope_x), L::abs(plane_b.slope_y)));
-  const V error = L::mul(L::set(kRounding), L::add(L::set(2.0F), L::mul(slopes, L::add(L::set(1.0F), L::mul(L::set(2.0F), extent)))));
+  const V error =
+      L::mul(L::set(kRounding),
+             L::add(L::set(2.0F), L::mul(slopes, L::add(L::set(1.0F), L::mul(L::set(2.0F), extent)))));
 
   constexpr float kHuge = 3e38F;
   Overlap<V> overlap{zero, L::set(kHuge), L::set(-kHuge)};
   add_boundary<L, true>(a, a_in_b, difference, overlap);
   add_boundary<L, false>(b, b_in_a, difference, overlap);
 
-  const auto covered = L::both(L::negate(separated),
-                               L::less(L::mul(L::set(kAreaNoise), L::mul(extent, extent)), overlap.doubled_area));
+  const auto covered =
+      L::both(L::negate(separated),
+              L::less(L::mul(L::set(kAreaNoise), L::mul(extent, extent)), overlap.doubled_area));
   const auto a_nearer = L::less(error, overlap.highest);
   const auto b_nearer = L::less(overlap.lowest, L::sub(zero, error));
   Verdict<L> verdict;

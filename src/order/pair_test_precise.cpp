@@ -43,7 +43,8 @@ pair_test::Corners<float> corners_from(const ScreenTriangle& t, float origin_x, 
   return corners;
 }
 
-// A convex polygon of picture points; two triangles overlap in at most six corners, the height split adds one.
+// A convex polygon of picture points; two triangles overlap in at most six corners, the height split adds
+// one.
 struct Polygon {
   struct Point {
     double x, y;
@@ -54,7 +55,9 @@ struct Polygon {
 };
 
 using Plane3 = std::array<double, 3>;  // value(x, y) = [0] + [1] x + [2] y
-double value_at(const Plane3& plane, const Polygon::Point& p) { return plane[0] + plane[1] * p.x + plane[2] * p.y; }
+double value_at(const Plane3& plane, const Polygon::Point& p) {
+  return plane[0] + plane[1] * p.x + plane[2] * p.y;
+}
 
 // Keep the part where the linear function is positive (Sutherland-Hodgman, one plane).
 Polygon keep_positive(const Polygon& polygon, const Plane3& plane) {
@@ -87,8 +90,8 @@ double area_of(const Polygon& polygon) {
 using Corners3 = std::array<Vec3d, 3>;
 
 // Projected corners, counter-clockwise, relative to `origin` in the picture.
-Corners3 corners_of_node(const ScreenTriangles& screen, const std::vector<Triangle>& triangles, std::uint32_t index,
-                         const Vec3d& origin) {
+Corners3 corners_of_node(const ScreenTriangles& screen, const std::vector<Triangle>& triangles,
+                         std::uint32_t index, const Vec3d& origin) {
   const NodeId node = screen.nodes[index];
   Triangle t = triangles[triangle_of(node)];
   if (is_flipped(node)) std::swap(t[1], t[2]);
@@ -126,8 +129,8 @@ void test_pairs_scalar(const ScreenTriangles& screen, std::span<const CandidateP
   }
 }
 
-bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triangle>& triangles, CandidatePair pair,
-                         std::vector<PairEdge>& edges) {
+bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triangle>& triangles,
+                         CandidatePair pair, std::vector<PairEdge>& edges) {
   const Vec3d origin = screen.vertices[triangles[triangle_of(screen.nodes[pair.a])][0]];
   const Corners3 a = corners_of_node(screen, triangles, pair.a, origin);
   const Corners3 b = corners_of_node(screen, triangles, pair.b, origin);
@@ -152,7 +155,8 @@ bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triang
     lowest = std::min(lowest, d);
     highest = std::max(highest, d);
   }
-  const double slopes = std::fabs(plane_a[1]) + std::fabs(plane_a[2]) + std::fabs(plane_b[1]) + std::fabs(plane_b[2]);
+  const double slopes =
+      std::fabs(plane_a[1]) + std::fabs(plane_a[2]) + std::fabs(plane_b[1]) + std::fabs(plane_b[2]);
   // Positions come in single precision: what is closer than its rounding is one surface, not two.
   const double coincident = 1e-7 + 1e-13 * slopes;
   const bool a_nearer = highest > coincident;

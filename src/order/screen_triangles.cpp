@@ -10,7 +10,8 @@
 namespace pellucid {
 namespace {
 
-// A face whose picture is smaller than this (square radii) is edge-on: it covers no pixel of any real picture.
+// A face whose picture is smaller than this (square radii) is edge-on: it covers no pixel of any real
+// picture.
 constexpr double kEdgeOnArea = 1e-12;
 
 struct Axes {
@@ -23,7 +24,8 @@ Axes axes_of(const Vec3d& direction) {
   return {right, cross(direction, right), direction};
 }
 
-void project_vertices(const std::vector<Vec3d>& positions, const Viewpoint& viewpoint, std::vector<Vec3d>& out) {
+void project_vertices(const std::vector<Vec3d>& positions, const Viewpoint& viewpoint,
+                      std::vector<Vec3d>& out) {
   const Axes axes = axes_of(viewpoint.direction);
   const bool orthographic = std::isinf(viewpoint.distance);
   // Points beside or behind the camera have no picture; a camera that close is outside every valid range.
@@ -33,7 +35,8 @@ void project_vertices(const std::vector<Vec3d>& positions, const Viewpoint& view
     const Vec3d& p = positions[i];
     const Vec3d q{dot(p, axes.right), dot(p, axes.up), dot(p, axes.direction)};
     const double s =
-        orthographic ? 1.0 : viewpoint.distance / std::max(viewpoint.distance - q.z, kNearest * viewpoint.distance);
+        orthographic ? 1.0
+                     : viewpoint.distance / std::max(viewpoint.distance - q.z, kNearest * viewpoint.distance);
     out[i] = q * s;
   }
 }
@@ -56,8 +59,8 @@ ScreenTriangle make_screen_triangle(const Vec3d& a, const Vec3d& b, const Vec3d&
 }
 
 Bounds2 bounds_of(const ScreenTriangle& t) {
-  return {std::min({t.x[0], t.x[1], t.x[2]}), std::min({t.y[0], t.y[1], t.y[2]}), std::max({t.x[0], t.x[1], t.x[2]}),
-          std::max({t.y[0], t.y[1], t.y[2]})};
+  return {std::min({t.x[0], t.x[1], t.x[2]}), std::min({t.y[0], t.y[1], t.y[2]}),
+          std::max({t.x[0], t.x[1], t.x[2]}), std::max({t.y[0], t.y[1], t.y[2]})};
 }
 
 }  // namespace

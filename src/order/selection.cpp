@@ -63,7 +63,8 @@ std::vector<std::uint32_t> index_buffer(const Mesh& mesh, std::span<const NodeId
 
 NodeSequence centroid_sorted(const Mesh& mesh, const BoundingSphere& sphere, const Viewpoint& viewpoint) {
   const bool orthographic = std::isinf(viewpoint.distance);
-  const Vec3d eye = orthographic ? Vec3d{} : sphere.center + viewpoint.direction * (viewpoint.distance * sphere.radius);
+  const Vec3d eye =
+      orthographic ? Vec3d{} : sphere.center + viewpoint.direction * (viewpoint.distance * sphere.radius);
   struct Keyed {
     double distance;
     NodeId node;

@@ -30,7 +30,8 @@ class Tipsifier {
   }
 
   NodeSequence run() {
-    for (std::uint32_t vertex = next_after_dead_end(); vertex != kNoVertex; vertex = next_vertex()) fan(vertex);
+    for (std::uint32_t vertex = next_after_dead_end(); vertex != kNoVertex; vertex = next_vertex())
+      fan(vertex);
     return std::move(sequence_);
   }
 
@@ -97,7 +98,8 @@ class Tipsifier {
       if (ready_around_[v] == 0) continue;
       const std::uint64_t age = clock_ - entered_[v];
       const bool survives = age + 2 * std::uint64_t{ready_around_[v]} <= cache_size_;
-      if (best == kNoVertex || (survives && !best_survives) || (survives == best_survives && survives && age > best_age)) {
+      if (best == kNoVertex || (survives && !best_survives) ||
+          (survives == best_survives && survives && age > best_age)) {
         best = v;
         best_age = age;
         best_survives = survives;

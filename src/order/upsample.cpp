@@ -21,7 +21,8 @@ struct CloseScene {
 using Device = std::unique_ptr<RTCDeviceTy, CloseDevice>;
 using Scene = std::unique_ptr<RTCSceneTy, CloseScene>;
 
-// Closest point of triangle abc to p (Ericson, "Real-Time Collision Detection", 2004, section 5.1.5, by regions).
+// Closest point of triangle abc to p (Ericson, "Real-Time Collision Detection", 2004, section 5.1.5, by
+// regions).
 double squared_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a;
   const Vec3d ac = c - a;
@@ -61,8 +62,8 @@ bool visit_triangle(RTCPointQueryFunctionArguments* args) {
   Query& query = *static_cast<Query*>(args->userPtr);
   const Triangle& t = query.coarse.triangles[args->primID];
   const double squared =
-      squared_distance(query.point, to_double(query.coarse.positions[t[0]]), to_double(query.coarse.positions[t[1]]),
-                       to_double(query.coarse.positions[t[2]]));
+      squared_distance(query.point, to_double(query.coarse.positions[t[0]]),
+                       to_double(query.coarse.positions[t[1]]), to_double(query.coarse.positions[t[2]]));
   const bool same_side = dot(query.normal, query.coarse_normals[args->primID]) > 0;
   const double distance = std::sqrt(squared) * (same_side ? 1.0 : kOtherSidePenalty);
   const bool nearer = distance < query.best || (distance == query.best && args->primID < query.triangle);
@@ -85,10 +86,10 @@ std::vector<Vec3d> normals_of(const Mesh& mesh) {
 Scene build_scene(RTCDevice device, const Mesh& mesh) {
   Scene scene(rtcNewScene(device));
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                                           mesh.positions.size());
-  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle),
-                                          mesh.triangles.size());
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           sizeof(Vec3f), mesh.positions.size());
+  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                          sizeof(Triangle), mesh.triangles.size());
   std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<Vec3f*>(vertices));
   std::copy(mesh.triangles.begin(), mesh.triangles.end(), static_cast<Triangle*>(indices));
   rtcCommitGeometry(geometry);
@@ -106,26 +107,29 @@ std::vector<NodeId> nearest_coarse_nodes(const Mesh& fine, const Mesh& coarse) {
   const Scene scene = build_scene(device.get(), coarse);
   const std::vector<Vec3d> coarse_normals = normals_of(coarse);
   std::vector<NodeId> nodes(2 * fine.triangles.size());
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(fine.triangles.size()), [&](std::uint32_t t) {
-    const Triangle& corners = fine.triangles[t];
-    const Vec3d centroid = (to_double(fine.positions[corners[0]]) + to_double(fine.positions[corners[1]]) +
-                            to_double(fine.positions[corners[2]])) /
-                           3.0;
-    const Vec3f p = to_float(centroid);
-    Query query{coarse, coarse_normals, centroid, triangle_normal(fine, t)};
-    RTCPointQuery point_query{p.x, p.y, p.z, 0.0F, std::numeric_limits<float>::infinity()};
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene.get(), &point_query, &context, visit_triangle, &query);
-    const std::uint32_t nearest = query.triangle < coarse.triangles.size() ? query.triangle : 0;
-    const bool turned = dot(query.normal, coarse_normals[nearest]) < 0;
-    nodes[2 * t] = node_of(nearest, turned);
-    nodes[2 * t + 1] = node_of(nearest, !turned);
-  });
+  tbb::parallel_for(
+      std::uint32_t{0}, static_cast<std::uint32_t>(fine.triangles.size()), [&](std::uint32_t t) {
+        const Triangle& corners = fine.triangles[t];
+        const Vec3d centroid =
+            (to_double(fine.positions[corners[0]]) + to_double(fine.positions[corners[1]]) +
+             to_double(fine.positions[corners[2]])) /
+            3.0;
+        const Vec3f p = to_float(centroid);
+        Query query{coarse, coarse_normals, centroid, triangle_normal(fine, t)};
+        RTCPointQuery point_query{p.x, p.y, p.z, 0.0F, std::numeric_limits<float>::infinity()};
+        RTCPointQueryContext context;
+        rtcInitPointQueryContext(&context);
+        rtcPointQuery(scene.get(), &point_query, &context, visit_triangle, &query);
+        const std::uint32_t nearest = query.triangle < coarse.triangles.size() ? query.triangle : 0;
+        const bool turned = dot(query.normal, coarse_normals[nearest]) < 0;
+        nodes[2 * t] = node_of(nearest, turned);
+        nodes[2 * t + 1] = node_of(nearest, !turned);
+      });
   return nodes;
 }
 
-std::vector<double> upsampled_keys(std::span<const NodeId> coarse_nodes, std::span<const std::uint32_t> coarse_ranks,
+std::vector<double> upsampled_keys(std::span<const NodeId> coarse_nodes,
+                                   std::span<const std::uint32_t> coarse_ranks,
                                    std::span<const double> depth_keys) {
   std::vector<double> keys(coarse_nodes.size());
   for (std::size_t node = 0; node < keys.size(); ++node) {

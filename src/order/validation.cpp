@@ -11,12 +11,13 @@
 
 namespace pellucid {
 
-double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
-                                const std::vector<std::uint32_t>& cluster_of,
+double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere,
+                                const ViewPartition& partition, const std::vector<std::uint32_t>& cluster_of,
                                 const std::vector<std::vector<std::uint32_t>>& ranks,
                                 const ValidationOptions& options) {
-  std::vector<Viewpoint> viewpoints =
-      random_viewpoints(options.viewpoints, options.min_distance, std::isinf(options.max_distance) ? options.min_distance : options.max_distance, options.seed);
+  std::vector<Viewpoint> viewpoints = random_viewpoints(
+      options.viewpoints, options.min_distance,
+      std::isinf(options.max_distance) ? options.min_distance : options.max_distance, options.seed);
   if (std::isinf(options.min_distance)) {
     for (Viewpoint& viewpoint : viewpoints) viewpoint.distance = kInfiniteDistance;
   }

@@ -19,9 +19,11 @@ struct ValidationOptions {
   const Progress* progress = nullptr;
 };
 
-// Mean share of incorrect foreground pixels (IPR) when every view is drawn in the order of its cell's cluster.
-double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
-                                const std::vector<std::uint32_t>& cluster_of,
-                                const std::vector<std::vector<std::uint32_t>>& ranks, const ValidationOptions& options);
+// Mean share of incorrect foreground pixels (IPR) when every view is drawn in the order of its cell's
+// cluster.
+double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere,
+                                const ViewPartition& partition, const std::vector<std::uint32_t>& cluster_of,
+                                const std::vector<std::vector<std::uint32_t>>& ranks,
+                                const ValidationOptions& options);
 
 }  // namespace pellucid

@@ -10,8 +10,8 @@ namespace pellucid {
 namespace {
 
 // Group scratch edges by front triangle (counting sort, stable).
-void group_by_front(const std::vector<PairEdge>& edges, const std::vector<NodeId>& nodes, std::size_t triangle_count,
-                    ViewpointEdges& out) {
+void group_by_front(const std::vector<PairEdge>& edges, const std::vector<NodeId>& nodes,
+                    std::size_t triangle_count, ViewpointEdges& out) {
   out.offsets.assign(triangle_count + 1, 0);
   for (const PairEdge& e : edges) ++out.offsets[triangle_of(nodes[e.front]) + 1];
   for (std::size_t t = 0; t < triangle_count; ++t) out.offsets[t + 1] += out.offsets[t];

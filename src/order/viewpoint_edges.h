@@ -14,14 +14,14 @@
 
 namespace pellucid {
 
-// Edges of one viewpoint, grouped by the triangle in front. From one viewpoint a triangle shows one facing only, so
-// `front_flipped` tells which node a row belongs to.
+// Edges of one viewpoint, grouped by the triangle in front. From one viewpoint a triangle shows one facing
+// only, so `front_flipped` tells which node a row belongs to.
 struct ViewpointEdges {
-  std::vector<std::uint32_t> offsets;        // triangles + 1: rows by front triangle
+  std::vector<std::uint32_t> offsets;  // triangles + 1: rows by front triangle
   std::vector<NodeId> backs;
-  std::vector<float> areas;                  // square bounding radii of the picture
-  std::vector<std::uint8_t> front_flipped;   // per triangle
-  std::uint64_t intersecting = 0;            // pairs of faces that each hide a part of the other
+  std::vector<float> areas;                 // square bounding radii of the picture
+  std::vector<std::uint8_t> front_flipped;  // per triangle
+  std::uint64_t intersecting = 0;           // pairs of faces that each hide a part of the other
   void clear() { *this = {}; }
 };
 
@@ -49,8 +49,8 @@ struct OcclusionScene {
 void find_edges_exactly(const OcclusionScene& scene, const Viewpoint& viewpoint, OcclusionScratch& scratch,
                         ViewpointEdges& out);
 
-// By sampling: faces of consecutive fragments of a pixel. Order along a ray is transitive, so these imply the rest;
-// overlaps that no pixel centre meets are missed.
+// By sampling: faces of consecutive fragments of a pixel. Order along a ray is transitive, so these imply the
+// rest; overlaps that no pixel centre meets are missed.
 void find_edges_by_raster(const OcclusionScene& scene, const Viewpoint& viewpoint, OcclusionScratch& scratch,
                           ViewpointEdges& out);
 

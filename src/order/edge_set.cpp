@@ -14,44 +14,61 @@ std::uint32_t node_count_of(const EdgeTable& table) {
   return static_cast<std::uint32_t>(table.row_ids.size() - 1);
 }
 
-// Call visit(back) for every edge of a node.
-template <class Visit>
-void for_each_back(const EdgeTable& table, const EdgeSet& edges, NodeId front, const Visit& visit) {
-  for (std::uint32_t i = edges.rows[front]; i < edges.rows[front + 1]; ++i) visit(table.backs[edges.ids[i]]);
-}
+// Depth-first search over the union of two edge sets, kept to nodes of rank < end. Stops at the first cycle.
+class CycleSearch {
+ public:
+  CycleSearch(const EdgeTable& table, const EdgeSet& a, const EdgeSet& b, const std::vector<std::uint32_t>& ranks,
+              std::uint32_t end)
+      : table_(table), a_(a), b_(b), ranks_(ranks), end_(end), state_(ranks.size(), State::unseen) {}
 
-// Kahn's algorithm over the nodes sequence[begin .. end) and those edges of two sets that stay inside.
-// `position` is the inverse of `sequence`. On success the window of the sequence is replaced by a topological
-// order.
-bool sort_window(const EdgeTable& table, const EdgeSet& a, const EdgeSet* b, std::uint32_t begin,
-                 std::uint32_t end, const std::vector<std::uint32_t>& position,
-                 std::vector<NodeId>& sequence) {
-  const auto inside = [&](NodeId node) { return position[node] >= begin && position[node] < end; };
-  std::vector<std::uint32_t> predecessors(end - begin, 0);
-  const auto for_each_edge_of = [&](NodeId front, const auto& visit) {
-    const auto visit_inside = [&](NodeId back) {
-      if (inside(back)) visit(back);
-    };
-    for_each_back(table, a, front, visit_inside);
-    if (b != nullptr) for_each_back(table, *b, front, visit_inside);
+  // Visit all that `root` reaches; false when a cycle was met.
+  bool visit(NodeId root) {
+    if (state_[root] != State::unseen) return true;
+    enter(root);
+    while (!stack_.empty()) {
+      Frame& frame = stack_.back();
+      NodeId back = 0;
+      if (frame.next_a < a_.rows[frame.node + 1]) {
+        back = table_.backs[a_.ids[frame.next_a++]];
+      } else if (frame.next_b < b_.rows[frame.node + 1]) {
+        back = table_.backs[b_.ids[frame.next_b++]];
+      } else {
+        state_[frame.node] = State::done;
+        finished_.push_back(frame.node);
+        stack_.pop_back();
+        continue;
+      }
+      if (ranks_[back] >= end_) continue;
+      if (state_[back] == State::open) return false;
+      if (state_[back] == State::unseen) enter(back);
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool seen(NodeId node) const { return state_[node] == State::done; }
+  // Nodes in the order in which they were left: every node after all that it reaches.
+  [[nodiscard]] const std::vector<NodeId>& finished() const { return finished_; }
+
+ private:
+  enum class State : std::uint8_t { unseen, open, done };
+  struct Frame {
+    NodeId node;
+    std::uint32_t next_a, next_b;
   };
-  for (std::uint32_t i = begin; i < end; ++i) {
-    for_each_edge_of(sequence[i], [&](NodeId back) { ++predecessors[position[back] - begin]; });
+  void enter(NodeId node) {
+    state_[node] = State::open;
+    stack_.push_back({node, a_.rows[node], b_.rows[node]});
   }
-  std::vector<NodeId> sorted;
-  sorted.reserve(end - begin);
-  for (std::uint32_t i = begin; i < end; ++i) {
-    if (predecessors[i - begin] == 0) sorted.push_back(sequence[i]);
-  }
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    for_each_edge_of(sorted[i], [&](NodeId back) {
-      if (--predecessors[position[back] - begin] == 0) sorted.push_back(back);
-    });
-  }
-  if (sorted.size() != end - begin) return false;
-  std::copy(sorted.begin(), sorted.end(), sequence.begin() + begin);
-  return true;
-}
+
+  const EdgeTable& table_;
+  const EdgeSet& a_;
+  const EdgeSet& b_;
+  const std::vector<std::uint32_t>& ranks_;
+  std::uint32_t end_;
+  std::vector<State> state_;
+  std::vector<Frame> stack_;
+  std::vector<NodeId> finished_;
+};
 
 std::vector<NodeId> inverse(const std::vector<std::uint32_t>& ranks) {
   std::vector<NodeId> sequence(ranks.size());
@@ -155,17 +172,23 @@ std::uint64_t intersection_size(const EdgeSet& a, const EdgeSet& b) {
 }
 
 bool topological_ranks(const EdgeTable& table, const EdgeSet& edges, std::vector<std::uint32_t>& ranks) {
-  std::vector<std::uint32_t> position(node_count_of(table));
-  std::iota(position.begin(), position.end(), 0U);
-  std::vector<NodeId> sequence = position;
-  if (!sort_window(table, edges, nullptr, 0, node_count_of(table), position, sequence)) return false;
-  ranks = inverse(sequence);
+  const std::uint32_t nodes = node_count_of(table);
+  const EdgeSet none{std::vector<std::uint32_t>(nodes + 1, 0), {}};
+  const std::vector<std::uint32_t> unranked(nodes, 0);
+  CycleSearch search(table, edges, none, unranked, nodes);
+  for (NodeId node = nodes; node-- > 0;) {
+    if (!search.visit(node)) return false;
+  }
+  ranks.resize(nodes);
+  for (std::uint32_t i = 0; i < nodes; ++i) ranks[search.finished()[i]] = nodes - 1 - i;
   return true;
 }
 
 bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& added,
                   std::vector<std::uint32_t>& ranks) {
-  // The window from the least rank that must move back to the greatest that must move forward.
+  // The window from the least rank that must move back to the greatest that must move forward. A cycle needs an edge
+  // that disagrees, and stays inside.
+  std::vector<NodeId> heads;
   std::uint32_t begin = node_count_of(table);
   std::uint32_t end = 0;
   for (NodeId front = 0; front < node_count_of(table); ++front) {
@@ -180,14 +203,24 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
                              table.reverse[id])) {
         return false;
       }
+      heads.push_back(back);
       begin = std::min(begin, ranks[back]);
       end = std::max(end, rank + 1);
     }
   }
-  if (begin >= end) return true;
-  std::vector<NodeId> sequence = inverse(ranks);
-  if (!sort_window(table, base, &added, begin, end, ranks, sequence)) return false;
-  for (std::uint32_t i = begin; i < end; ++i) ranks[sequence[i]] = i;
+  if (heads.empty()) return true;
+
+  CycleSearch search(table, base, added, ranks, end);
+  for (const NodeId head : heads) {
+    if (!search.visit(head)) return false;
+  }
+  // What the heads of disagreeing edges reach goes behind the rest of the window, both parts in order.
+  const std::vector<NodeId> sequence = inverse(ranks);
+  std::uint32_t rank = begin;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    if (!search.seen(sequence[i])) ranks[sequence[i]] = rank++;
+  }
+  for (auto node = search.finished().rbegin(); node != search.finished().rend(); ++node) ranks[*node] = rank++;
   return true;
 }
 

@@ -26,7 +26,7 @@ constexpr std::uint32_t kMostDirectTriangles = 60000;
 constexpr std::uint32_t kUpsampleFrom = 20000;
 // Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a
 // pixel of a 1024 x 1024 picture. They are counted (pruned weight) but not kept.
-constexpr float kLeastWeight = 3e-8F;
+constexpr float kLeastWeight = 3e-7F;
 // A budget order's edges lighter than this do not bind its vertex-cache sequence: the cell-averaged weight of
 // about half a pixel of a 1024 x 1024 picture, summed over a cluster.
 constexpr float kLeastBindingWeight = 1e-6F;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius = 100;
 constexpr double kGap = 24;
-constexpr std::uint32_t kErrorSphereLevel = 3;  // 1,280 faces
+constexpr std::uint32_t kRoundLevel = 3;  // 1,280 faces: the rim looks round
 constexpr std::uint32_t kHistogramBins = 24;
 constexpr double kPlotWidth = 520;
 constexpr double kPlotHeight = 240;
@@ -89,31 +89,48 @@ std::string order_color(std::size_t order, std::size_t count) {
   return fmt::format("oklch({} 0.115 {:.0f})", order % 2 == 0 ? "0.70" : "0.80", std::fmod(hue, 360.0));
 }
 
-// The region of each view cell as a polygon on the unit sphere.
-std::vector<Polygon> cell_polygons(const PartitionSpec& spec) {
-  const Icosphere sphere = make_icosphere(spec.level);
-  std::vector<Polygon> cells;
-  if (spec.kind == PartitionKind::sampled_triangles) {
-    for (const auto& t : sphere.triangles) {
-      cells.push_back({sphere.vertices[t[0]], sphere.vertices[t[1]], sphere.vertices[t[2]]});
-    }
-    return cells;
+// A piece of a view cell: fine enough that the rim of the sphere looks round.
+struct CellPiece {
+  std::uint32_t cell;
+  Polygon polygon;
+};
+
+// S cells in faces of a finer icosphere: the parent of face f is f / 4.
+std::vector<CellPiece> triangle_cells(std::uint32_t level) {
+  const std::uint32_t fine = std::max(level, kRoundLevel);
+  const Icosphere sphere = make_icosphere(fine);
+  std::vector<CellPiece> pieces;
+  for (std::size_t f = 0; f < sphere.triangles.size(); ++f) {
+    const auto& t = sphere.triangles[f];
+    pieces.push_back({static_cast<std::uint32_t>(f >> 2U * (fine - level)),
+                      {sphere.vertices[t[0]], sphere.vertices[t[1]], sphere.vertices[t[2]]}});
   }
-  // P cells: the middles of the faces around a vertex, in turn.
-  cells.resize(sphere.vertices.size());
+  return pieces;
+}
+
+// P cells: the middles of the faces around a vertex, in turn.
+std::vector<CellPiece> vertex_cells(std::uint32_t level) {
+  const Icosphere sphere = make_icosphere(level);
+  std::vector<CellPiece> cells(sphere.vertices.size());
   for (const auto& t : sphere.triangles) {
     const Vec3d middle = normalized(sphere.vertices[t[0]] + sphere.vertices[t[1]] + sphere.vertices[t[2]]);
-    for (const std::uint32_t v : t) cells[v].push_back(middle);
+    for (const std::uint32_t v : t) cells[v].polygon.push_back(middle);
   }
-  for (std::size_t v = 0; v < cells.size(); ++v) {
+  for (std::uint32_t v = 0; v < cells.size(); ++v) {
     const Vec3d axis = sphere.vertices[v];
     const Vec3d x = normalized(cross(axis, std::abs(axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
     const Vec3d y = cross(axis, x);
-    std::sort(cells[v].begin(), cells[v].end(), [&](const Vec3d& a, const Vec3d& b) {
+    cells[v].cell = v;
+    std::sort(cells[v].polygon.begin(), cells[v].polygon.end(), [&](const Vec3d& a, const Vec3d& b) {
       return std::atan2(dot(a, y), dot(a, x)) < std::atan2(dot(b, y), dot(b, x));
     });
   }
   return cells;
+}
+
+std::vector<CellPiece> cell_pieces(const PartitionSpec& spec) {
+  return spec.kind == PartitionKind::sampled_triangles ? triangle_cells(spec.level)
+                                                       : vertex_cells(spec.level);
 }
 
 // Pale to dark red through amber; `share` in 0..1.
@@ -206,13 +223,11 @@ std::string plot_svg(const std::string& label, const std::string& content) {
 }  // namespace
 
 std::string order_sphere_svg(const OrderSet& orders) {
-  const std::vector<Polygon> cells = cell_polygons(orders.partition);
   std::vector<std::size_t> uses(orders.orders.size(), 0);
+  for (const std::uint32_t order : orders.cell_orders) ++uses[order];
   std::string content;
-  for (std::size_t c = 0; c < std::min(cells.size(), orders.cell_orders.size()); ++c) {
-    const std::size_t order = orders.cell_orders[c];
-    if (order < uses.size()) ++uses[order];
-    content += polygon_svg(cells[c], order_color(order, orders.orders.size()));
+  for (const CellPiece& piece : cell_pieces(orders.partition)) {
+    content += polygon_svg(piece.polygon, order_color(orders.cell_orders[piece.cell], orders.orders.size()));
   }
   std::string legend = "<ul class=\"keys\">";
   for (std::size_t k = 0; k < uses.size(); ++k) {
@@ -228,7 +243,7 @@ std::string error_sphere_svg(std::span<const Viewpoint> viewpoints, std::span<co
   // A bell as wide as the mean spacing of the viewpoints.
   const double width =
       std::max(0.1, std::sqrt(4 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(1, count))));
-  const Icosphere sphere = make_icosphere(kErrorSphereLevel);
+  const Icosphere sphere = make_icosphere(kRoundLevel);
   std::string content;
   for (const auto& t : sphere.triangles) {
     const Polygon face{sphere.vertices[t[0]], sphere.vertices[t[1]], sphere.vertices[t[2]]};

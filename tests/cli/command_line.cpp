@@ -88,8 +88,8 @@ Arguments quick_order(const std::string& input, const std::string& output, const
   return arguments;
 }
 
-Samples::Samples() : plain(folder.file("stack.glb")), ordered(folder.file("ordered.glb")) {
-  const Finished sample = run_pellucid({"sample", "coplanar-stack", "-o", plain, "--detail", "0.05"});
+Samples::Samples() : plain(folder.file("goblet.glb")), ordered(folder.file("ordered.glb")) {
+  const Finished sample = run_pellucid({"sample", "goblet", "-o", plain, "--detail", "0.02"});
   const Finished order = run_pellucid(quick_order(plain, ordered));
   problems = sample.err + order.err;
 }

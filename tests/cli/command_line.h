@@ -42,7 +42,7 @@ class TemporaryFolder {
 struct Samples {
   Samples();
   TemporaryFolder folder;
-  std::string plain;     // coplanar stack as .glb
+  std::string plain;     // a coarse goblet as .glb
   std::string ordered;   // the same with orders
   std::string problems;  // what stderr said while they were made
 };

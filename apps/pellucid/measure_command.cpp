@@ -167,8 +167,9 @@ std::vector<PictureRow> picture_rows(const PictureMaker& maker, const MethodQual
   std::vector<PictureRow> rows;
   for (const char* camera : {"30,15,2.5", "150,-10,2.5", "265,35,2.5"}) {
     const Viewpoint view = parse_camera(camera);
-    rows.push_back(maker.row(fmt::format("Camera {}, lit", camera), view, Shading::lit));
-    rows.push_back(maker.row(fmt::format("Camera {}, depth as colour", camera), view, Shading::depth));
+    rows.push_back(maker.row(fmt::format("Azimuth, elevation, radii: {}; lit", camera), view, Shading::lit));
+    rows.push_back(maker.row(fmt::format("Azimuth, elevation, radii: {}; depth as colour", camera), view,
+                             Shading::depth));
   }
   const auto worst =
       std::max_element(quality.frames.begin(), quality.frames.end(),

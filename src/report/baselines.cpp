@@ -219,8 +219,8 @@ std::vector<std::uint32_t> ranks_from(const Mesh& mesh, const OrderSet& orders, 
 }
 
 std::vector<std::uint32_t> cache_optimized_sequence(const Mesh& mesh) {
+  if (mesh.triangles.empty()) return {};
   const std::vector<std::uint32_t> triangles = stored_sequence(mesh.triangles.size());
-  if (triangles.empty()) return triangles;
   const std::vector<std::uint32_t> indices = index_buffer(mesh, front_nodes(triangles));
   std::vector<std::uint32_t> optimized(indices.size());
   meshopt_optimizeVertexCache(optimized.data(), indices.data(), indices.size(), mesh.positions.size());

@@ -69,13 +69,13 @@ std::vector<Vec3d> spread_directions(std::uint32_t count, Random& random) {
 }
 
 // Sum the clusters' edges and sift their orders, clusters one by one (each sum is parallel and large).
-void reorder_clusters(const OcclusionGraph& graph, const SiftOptions& options, const Progress* progress,
+void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options, float light,
                       Clustering& clustering) {
-  std::vector<PairWishes> wishes(clustering.cluster_count());
   tbb::parallel_for(std::uint32_t{0}, clustering.cluster_count(), [&](std::uint32_t cluster) {
-    stop_if_requested(progress);
-    const PairWishes w = net_wishes(sum_cells(graph, cells_of_cluster(clustering.cluster_of, cluster)));
-    sift(w, options, clustering.ranks[cluster]);
+    stop_if_requested(options.progress);
+    const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, cluster);
+    const PairWishes wishes = net_wishes(sum_cells(graph, cells, light * static_cast<float>(cells.size())));
+    sift(wishes, options.sift, clustering.ranks[cluster]);
   });
 }
 
@@ -194,15 +194,21 @@ Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, con
   std::vector<double> table = violation_table(graph, current.ranks);
   reassign_cells(table, current);
   Clustering best = current;
-  for (std::uint32_t round = 0; round < options.rounds && best.violated > 0; ++round) {
+  bool last = false;
+  for (std::uint32_t round = 0; !last && best.violated > 0; ++round) {
+    const double before = best.violated;
+    last = round + 1 >= options.rounds;
     reseed_empty_clusters(table, current);
-    reorder_clusters(graph, options.sift, options.progress, current);
+    reorder_clusters(graph, options, last ? 0.0F : options.light, current);
     table = violation_table(graph, current.ranks);
     reassign_cells(table, current);
     current.rounds = round + 1;
-    const double gain = best.violated - current.violated;
     if (current.violated < best.violated) best = current;
-    if (gain <= options.least_gain * best.violated) break;
+    // Rounds that gain little end the search, after one over all edges if there was none yet.
+    if (!last && before - best.violated <= options.least_gain * before) {
+      if (options.light == 0) break;
+      round = std::max(round, options.rounds - 2);
+    }
   }
   best.rounds = current.rounds;
   return best;

@@ -32,6 +32,8 @@ struct KMeansOptions {
   std::uint32_t rounds = 40;
   SiftOptions sift;
   double least_gain = 1e-3;  // stop when a round lowers the violated weight by less than this share
+  // Rounds but the last leave out a cluster's edges lighter than this per cell: most edges, little weight.
+  float light = 0;
   Progress* progress = nullptr;
 };
 

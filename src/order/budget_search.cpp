@@ -14,25 +14,34 @@ namespace pellucid {
 namespace {
 
 constexpr std::uint32_t kStarts = 3;      // coarse restarts per number of clusters
-constexpr std::uint32_t kFineRounds = 3;  // rounds on the full mesh
+constexpr std::uint32_t kFineRounds = 2;  // rounds on the full mesh
+constexpr float kLight = 2e-7F;           // mean square radii: left out of all fine rounds but the last
+// The full mesh's error over the coarse mesh's, before any is known: finer triangles leave less to get wrong.
+constexpr double kFinePerCoarse = 0.4;
+// One buffer less is worth a try on the full mesh when it is expected to miss the error by no more than this
+// factor.
+constexpr double kNearMiss = 1.25;
 
 class BudgetSearch {
  public:
   BudgetSearch(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options)
-      : coarse_(coarse), fine_(fine), options_(options) {
+      : coarse_(coarse),
+        fine_(fine),
+        options_(options),
+        fine_per_coarse_(same_mesh() ? 1.0 : kFinePerCoarse) {
     if (!same_mesh()) coarse_nodes_ = nearest_coarse_nodes(*fine.mesh, *coarse.mesh);
   }
 
   BudgetResult run() {
     const std::uint32_t most = std::max(options_.max_buffers, options_.min_buffers);
     // The coarse mesh says where to look; the full mesh decides.
-    std::uint32_t count = options_.min_buffers;
     begin_stage(options_.progress, "clustering", 0);
-    while (count < most && error_of(coarse_, solve_coarse(count)) > options_.max_error) ++count;
+    std::uint32_t count = options_.min_buffers;
+    while (count < most && expected_error(count) > options_.max_error) ++count;
 
     BudgetResult best = solve_fine(count);
     if (best.measured_error <= options_.max_error) {
-      while (count > options_.min_buffers) {
+      while (count > options_.min_buffers && expected_error(count - 1) <= kNearMiss * options_.max_error) {
         BudgetResult fewer = solve_fine(--count);
         if (fewer.measured_error > options_.max_error) break;
         best = std::move(fewer);
@@ -49,11 +58,21 @@ class BudgetSearch {
  private:
   [[nodiscard]] bool same_mesh() const { return coarse_.mesh == fine_.mesh; }
 
+  // What the coarse solution lets us expect of the full mesh.
+  double expected_error(std::uint32_t count) { return fine_per_coarse_ * coarse_error(count); }
+
+  double coarse_error(std::uint32_t count) {
+    const auto known = coarse_errors_.find(count);
+    if (known != coarse_errors_.end()) return known->second;
+    return coarse_errors_[count] = error_of(coarse_, solve_coarse(count));
+  }
+
   const Clustering& solve_coarse(std::uint32_t count) {
     const auto known = coarse_solutions_.find(count);
     if (known != coarse_solutions_.end()) return known->second;
-    std::vector<Clustering> trials(kStarts);
-    tbb::parallel_for(std::uint32_t{0}, kStarts, [&](std::uint32_t trial) {
+    // A single order has no start to choose.
+    std::vector<Clustering> trials(count == 1 ? 1 : kStarts);
+    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(trials.size()), [&](std::uint32_t trial) {
       stop_if_requested(options_.progress);
       const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition,
                                             count, options_.seed * 1000 + trial);
@@ -81,10 +100,12 @@ class BudgetSearch {
       KMeansOptions options;
       options.rounds = kFineRounds;
       options.least_gain = 0.02;
+      options.light = kLight;
       options.progress = options_.progress;
       result.clustering = improve_clustering(fine_.graph, std::move(start), options);
     }
     result.measured_error = error_of(fine_, result.clustering);
+    if (coarse_error(count) > 0) fine_per_coarse_ = result.measured_error / coarse_error(count);
     return result;
   }
 
@@ -114,6 +135,8 @@ class BudgetSearch {
   const BudgetOptions& options_;
   std::vector<NodeId> coarse_nodes_;
   std::map<std::uint32_t, Clustering> coarse_solutions_;
+  std::map<std::uint32_t, double> coarse_errors_;
+  double fine_per_coarse_;  // a guess, until a full solution has been measured
 };
 
 }  // namespace

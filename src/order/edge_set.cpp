@@ -17,8 +17,8 @@ std::uint32_t node_count_of(const EdgeTable& table) {
 // Depth-first search over the union of two edge sets, kept to nodes of rank < end. Stops at the first cycle.
 class CycleSearch {
  public:
-  CycleSearch(const EdgeTable& table, const EdgeSet& a, const EdgeSet& b, const std::vector<std::uint32_t>& ranks,
-              std::uint32_t end)
+  CycleSearch(const EdgeTable& table, const EdgeSet& a, const EdgeSet& b,
+              const std::vector<std::uint32_t>& ranks, std::uint32_t end)
       : table_(table), a_(a), b_(b), ranks_(ranks), end_(end), state_(ranks.size(), State::unseen) {}
 
   // Visit all that `root` reaches; false when a cycle was met.
@@ -186,8 +186,8 @@ bool topological_ranks(const EdgeTable& table, const EdgeSet& edges, std::vector
 
 bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& added,
                   std::vector<std::uint32_t>& ranks) {
-  // The window from the least rank that must move back to the greatest that must move forward. A cycle needs an edge
-  // that disagrees, and stays inside.
+  // The window from the least rank that must move back to the greatest that must move forward. A cycle needs
+  // an edge that disagrees, and stays inside.
   std::vector<NodeId> heads;
   std::uint32_t begin = node_count_of(table);
   std::uint32_t end = 0;
@@ -220,7 +220,8 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
   for (std::uint32_t i = begin; i < end; ++i) {
     if (!search.seen(sequence[i])) ranks[sequence[i]] = rank++;
   }
-  for (auto node = search.finished().rbegin(); node != search.finished().rend(); ++node) ranks[*node] = rank++;
+  for (auto node = search.finished().rbegin(); node != search.finished().rend(); ++node)
+    ranks[*node] = rank++;
   return true;
 }
 

@@ -187,7 +187,7 @@ OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sph
   return GraphBuilder(mesh, sphere, partition, options).build();
 }
 
-EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells) {
+EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells, float least) {
   // Blocks of rows in parallel, then one after the other.
   constexpr std::uint32_t kRowsPerBlock = 1024;
   const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
@@ -204,7 +204,7 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
         const std::uint32_t count = rows.offsets[node + 1] - first;
         accumulator.add({rows.backs.data() + first, count}, {rows.weights.data() + first, count}, 1.0F);
       }
-      accumulator.flush(parts[block], 0.0F);
+      accumulator.flush(parts[block], least);
     }
   });
   EdgeRows sum;

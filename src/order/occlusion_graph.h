@@ -82,7 +82,7 @@ class RowAccumulator {
   std::vector<NodeId> touched_;
 };
 
-// Sum of the graphs of some cells.
-EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells);
+// Sum of the graphs of some cells, without edges that weigh less than `least` in total.
+EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells, float least = 0);
 
 }  // namespace pellucid

@@ -244,7 +244,8 @@ TEST(OrderFiles, MeshoptStreamsAreWhatTheExtensionSays) {
   const OrderSet set = random_orders(random, mesh, {}, 3, Facing::duplicated);
   WriteOptions options{.encoding = OrderEncoding::meshopt, .split_buffer = true};
   const WriteReport report = write_model(model_of(mesh), {{0, set, {}}}, folder / "a.glb", options);
-  EXPECT_EQ((report.order_bytes + 3) / 4, (fs::file_size(folder / "a.orders.bin") + 3) / 4);  // but for padding
+  EXPECT_EQ((report.order_bytes + 3) / 4,
+            (fs::file_size(folder / "a.orders.bin") + 3) / 4);  // but for padding
   const Json json = json_of(folder / "a.glb");
   const auto compressed = std::find_if(json["bufferViews"].begin(), json["bufferViews"].end(),
                                        [](const Json& view) { return view.contains("extensions"); });

@@ -155,6 +155,20 @@ std::vector<double> depth_keys(const Mesh& mesh, const BoundingSphere& sphere, c
   return keys;
 }
 
+Clustering without_unused_orders(Clustering clustering) {
+  std::vector<std::uint32_t> numbers(clustering.cluster_count(), 0);
+  for (const std::uint32_t cluster : clustering.cluster_of) numbers[cluster] = 1;
+  std::vector<std::vector<std::uint32_t>> used;
+  for (std::uint32_t cluster = 0; cluster < numbers.size(); ++cluster) {
+    if (numbers[cluster] == 0) continue;
+    numbers[cluster] = static_cast<std::uint32_t>(used.size());
+    used.push_back(std::move(clustering.ranks[cluster]));
+  }
+  for (std::uint32_t& cluster : clustering.cluster_of) cluster = numbers[cluster];
+  clustering.ranks = std::move(used);
+  return clustering;
+}
+
 std::vector<double> violation_table(const OcclusionGraph& graph,
                                     const std::vector<std::vector<std::uint32_t>>& ranks) {
   const RankTable table = interleave(ranks);

@@ -40,6 +40,10 @@ struct KMeansOptions {
 // Alternate (1) and (2) from `start`, whose ranks must be filled; never ends worse than it starts.
 Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, const KMeansOptions& options);
 
+// Orders that no cell uses (there were more than cells, or fewer already suffice) left out, the rest
+// renumbered.
+Clustering without_unused_orders(Clustering clustering);
+
 // A start for k clusters: cells by the nearest of k spread-out random directions, orders by depth. Contiguous
 // starts converge in a few rounds to a fraction of the error of starts that join opposite views
 // (docs/in-depth-buffers.md).

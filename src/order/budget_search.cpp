@@ -21,6 +21,9 @@ constexpr double kFinePerCoarse = 0.4;
 // One buffer less is worth a try on the full mesh when it is expected to miss the error by no more than this
 // factor.
 constexpr double kNearMiss = 1.25;
+// One more buffer is worth its memory when it lowers the error to this share; so many in vain end the search.
+constexpr double kWorthwhile = 0.9;
+constexpr std::uint32_t kPatience = 3;
 
 class BudgetSearch {
  public:
@@ -36,8 +39,7 @@ class BudgetSearch {
     const std::uint32_t most = std::max(options_.max_buffers, options_.min_buffers);
     // The coarse mesh says where to look; the full mesh decides.
     begin_stage(options_.progress, "clustering", 0);
-    std::uint32_t count = options_.min_buffers;
-    while (count < most && expected_error(count) > options_.max_error) ++count;
+    std::uint32_t count = likely_count(most);
 
     BudgetResult best = solve_fine(count);
     if (best.measured_error <= options_.max_error) {
@@ -49,7 +51,9 @@ class BudgetSearch {
     } else {
       while (count < most && best.measured_error > options_.max_error) {
         BudgetResult more = solve_fine(++count);
-        if (more.measured_error < best.measured_error) best = std::move(more);
+        const bool worth_it = more.measured_error < kWorthwhile * best.measured_error;
+        if (worth_it) best = std::move(more);
+        if (!worth_it) break;
       }
     }
     return best;
@@ -57,6 +61,18 @@ class BudgetSearch {
 
  private:
   [[nodiscard]] bool same_mesh() const { return coarse_.mesh == fine_.mesh; }
+
+  // The first count that the coarse mesh expects to do; where none does (faces that intersect have no right
+  // order at all), the first after which more buffers hardly help.
+  std::uint32_t likely_count(std::uint32_t most) {
+    std::uint32_t count = options_.min_buffers;
+    std::uint32_t best = count;
+    for (; expected_error(count) > options_.max_error; ++count) {
+      if (coarse_error(count) < kWorthwhile * coarse_error(best)) best = count;
+      if (count == most || count - best == kPatience) return best;
+    }
+    return count;
+  }
 
   // What the coarse solution lets us expect of the full mesh.
   double expected_error(std::uint32_t count) { return fine_per_coarse_ * coarse_error(count); }

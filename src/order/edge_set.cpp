@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 namespace pellucid {
@@ -126,6 +127,29 @@ EdgeSet edges_of_cell(const EdgeTable& table, const EdgeRows& cell) {
   return set;
 }
 
+EdgeSet without_shortcuts(const EdgeTable& table, const EdgeSet& edges) {
+  EdgeSet kept;
+  kept.rows.reserve(edges.rows.size());
+  kept.rows.push_back(0);
+  kept.ids.reserve(edges.ids.size() / 2);
+  constexpr NodeId kNobody = 0xFFFFFFFFU;
+  std::vector<NodeId> reached_from(edges.rows.size(),
+                                   kNobody);  // the node that reaches this one in two steps
+  for (NodeId front = 0; front < node_count_of(table); ++front) {
+    for (std::uint32_t i = edges.rows[front]; i < edges.rows[front + 1]; ++i) {
+      const NodeId middle = table.backs[edges.ids[i]];
+      for (std::uint32_t j = edges.rows[middle]; j < edges.rows[middle + 1]; ++j) {
+        reached_from[table.backs[edges.ids[j]]] = front;
+      }
+    }
+    for (std::uint32_t i = edges.rows[front]; i < edges.rows[front + 1]; ++i) {
+      if (reached_from[table.backs[edges.ids[i]]] != front) kept.ids.push_back(edges.ids[i]);
+    }
+    kept.rows.push_back(static_cast<std::uint32_t>(kept.ids.size()));
+  }
+  return kept;
+}
+
 EdgeSet unite(const EdgeSet& a, const EdgeSet& b) {
   EdgeSet set;
   set.ids.reserve(std::max(a.ids.size(), b.ids.size()));
@@ -146,13 +170,17 @@ EdgeSet unite_all(const EdgeTable& table, std::span<const EdgeSet* const> sets) 
     for (const std::uint32_t id : set->ids) marks[id / 64] |= std::uint64_t{1} << (id % 64);
   }
   EdgeSet all;
-  all.rows.reserve(table.row_ids.size());
-  all.rows.push_back(0);
-  for (NodeId node = 0; node < node_count_of(table); ++node) {
-    for (std::uint32_t id = table.row_ids[node]; id < table.row_ids[node + 1]; ++id) {
-      if ((marks[id / 64] >> (id % 64) & 1U) != 0) all.ids.push_back(id);
+  for (std::size_t word = 0; word < marks.size(); ++word) {
+    for (std::uint64_t bits = marks[word]; bits != 0; bits &= bits - 1) {
+      all.ids.push_back(static_cast<std::uint32_t>(64 * word) +
+                        static_cast<std::uint32_t>(std::countr_zero(bits)));
     }
-    all.rows.push_back(static_cast<std::uint32_t>(all.ids.size()));
+  }
+  all.rows.reserve(table.row_ids.size());
+  std::size_t i = 0;
+  for (const std::uint32_t first : table.row_ids) {
+    while (i < all.ids.size() && all.ids[i] < first) ++i;
+    all.rows.push_back(static_cast<std::uint32_t>(i));
   }
   return all;
 }

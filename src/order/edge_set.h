@@ -25,6 +25,9 @@ struct EdgeSet {
   [[nodiscard]] std::uint64_t size() const { return ids.size(); }
 };
 EdgeSet edges_of_cell(const EdgeTable& table, const EdgeRows& cell);
+// Without the edges that a path of two others implies: fewer edges, the same orders. `edges` must be acyclic.
+// O(sum of the out-degrees of all followers).
+EdgeSet without_shortcuts(const EdgeTable& table, const EdgeSet& edges);
 EdgeSet unite(const EdgeSet& a, const EdgeSet& b);
 EdgeSet unite_all(const EdgeTable& table, std::span<const EdgeSet* const> sets);
 std::uint64_t intersection_size(const EdgeSet& a, const EdgeSet& b);

@@ -168,7 +168,9 @@ class Orderer {
     record_graph(fine.graph);
     result_.statistics.seconds.graph = stage.lap();
 
-    const Clustering clustering = cluster(coarse, fine);
+    const Clustering clustering = without_unused_orders(cluster(coarse, fine));
+    if (fine.graph.total_weight > 0)
+      result_.statistics.violated_weight = clustering.violated / fine.graph.total_weight;
     result_.statistics.seconds.cluster = stage.lap();
 
     begin_stage(options_.progress, "sequences", clustering.cluster_count());

@@ -23,19 +23,16 @@ std::vector<std::uint32_t> ranks_of(std::span<const NodeId> sequence, std::uint6
 }
 
 bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks) {
-  // Fragments closer than the tie form a run; within a run any order is right, across runs none may go back.
-  std::uint32_t highest_before = 0;  // highest rank of all earlier runs, plus one
-  std::uint32_t highest_in_run = 0;
-  float run_start = 0;
-  for (std::size_t i = 0; i < fragments.size(); ++i) {
-    const std::uint32_t rank = ranks[fragments[i].node];
+  // Every fragment must come after all that are nearer by more than a tie.
+  std::size_t nearer = 0;            // of these, the count seen so far
+  std::uint32_t highest_nearer = 0;  // and their highest rank, plus one
+  for (const Fragment& fragment : fragments) {
+    const std::uint32_t rank = ranks[fragment.node];
     if (rank == kNoRank) return false;
-    if (i == 0 || fragments[i].depth - run_start > kDepthTie) {
-      highest_before = std::max(highest_before, highest_in_run);
-      run_start = fragments[i].depth;
+    for (; fragment.depth - fragments[nearer].depth > kDepthTie; ++nearer) {
+      highest_nearer = std::max(highest_nearer, ranks[fragments[nearer].node] + 1);
     }
-    if (rank + 1 <= highest_before) return false;
-    highest_in_run = std::max(highest_in_run, rank + 1);
+    if (rank + 1 < highest_nearer) return false;
   }
   return true;
 }

@@ -50,7 +50,7 @@ void find_edges_by_raster(const OcclusionScene& scene, const Viewpoint& viewpoin
   options.culling = scene.front_only ? Culling::back : Culling::none;
   rasterize(scene.mesh, camera, options, scratch.fragments);
 
-  // One key per consecutive pair of fragments; equal keys are the pixels of one edge.
+  // One key per pair of fragments in consecutive depths; equal keys are the pixels of one edge.
   std::vector<std::uint64_t>& keys = scratch.keys;
   keys.clear();
   out.front_flipped.assign(scene.mesh.triangles.size(), 0);
@@ -59,8 +59,12 @@ void find_edges_by_raster(const OcclusionScene& scene, const Viewpoint& viewpoin
     const std::span<const Fragment> fragments = scratch.fragments.pixel(p);
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       if (is_flipped(fragments[i].node)) out.front_flipped[triangle_of(fragments[i].node)] = 1;
-      if (i + 1 < fragments.size() && fragments[i + 1].depth - fragments[i].depth > kDepthTie) {
-        keys.push_back(std::uint64_t{fragments[i].node} << 32U | fragments[i + 1].node);
+      // Ties hide nothing from each other, but all of them hide the next one and what is tied with it.
+      std::size_t next = i + 1;
+      while (next < fragments.size() && fragments[next].depth - fragments[i].depth <= kDepthTie) ++next;
+      for (std::size_t j = next;
+           j < fragments.size() && fragments[j].depth - fragments[next].depth <= kDepthTie; ++j) {
+        keys.push_back(std::uint64_t{fragments[i].node} << 32U | fragments[j].node);
       }
     }
   }

@@ -205,8 +205,16 @@ class Orderer {
   }
 
   Clustering cluster(const OrderProblem& coarse, const OrderProblem& fine) {
-    if (options_.method == OrderMethod::acyclic)
-      return cluster_acyclically(fine, options_, result_.statistics);
+    Clustering clustering = options_.method == OrderMethod::acyclic
+                                ? cluster_acyclically(fine, options_, result_.statistics)
+                                : cluster_by_budget(coarse, fine);
+    if (fine.graph.total_weight > 0) {
+      result_.statistics.violated_weight = clustering.violated / fine.graph.total_weight;
+    }
+    return clustering;
+  }
+
+  Clustering cluster_by_budget(const OrderProblem& coarse, const OrderProblem& fine) {
     BudgetOptions budget;
     budget.max_error = options_.max_error;
     budget.min_buffers = options_.min_buffers;

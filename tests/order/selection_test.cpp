@@ -1,0 +1,122 @@
+// What a renderer does with an order set: selection, pixels in order, index buffers, the per-frame sort.
+#include <gtest/gtest.h>
+
+#include "order_helpers.h"
+
+namespace pellucid {
+namespace {
+
+using Ranks = std::vector<std::uint32_t>;
+
+bool in_order(const std::vector<Fragment>& fragments, const Ranks& ranks) {
+  return pixel_in_order(fragments, ranks);
+}
+
+TEST(SelectOrder, IsTheOrderOfTheCellFoundByBruteForce) {
+  Random random(1);
+  for (const char* text : {"S0,0", "S1,1", "S2,2", "S3,0", "P0", "P2"}) {
+    OrderSet set;
+    set.partition = parse_partition(text);
+    const ViewPartition partition = make_partition(set.partition);
+    for (std::uint32_t c = 0; c < partition.cell_count(); ++c) set.cell_orders.push_back(1000 + c);
+    for (int i = 0; i < 500; ++i) {
+      const Vec3d direction = random.direction();
+      EXPECT_EQ(select_order(set, direction), 1000 + find_cell_brute_force(partition, direction)) << text;
+    }
+  }
+}
+
+TEST(PixelInOrder, LiteralCases) {
+  const Ranks ranks{0, 1, 2, kNoRank};
+  EXPECT_TRUE(in_order({}, ranks));
+  EXPECT_TRUE(in_order({{0.5F, 1}}, ranks));
+  EXPECT_TRUE(in_order({{0.1F, 0}, {0.2F, 1}, {0.3F, 2}}, ranks));
+  EXPECT_FALSE(in_order({{0.1F, 1}, {0.2F, 0}}, ranks));
+  EXPECT_FALSE(in_order({{0.1F, 0}, {0.2F, 2}, {0.3F, 1}}, ranks));
+  // Not neighbours, but wrong all the same.
+  EXPECT_FALSE(in_order({{0.1F, 1}, {0.2F, 2}, {0.3F, 0}}, ranks));
+  // A node that the sequence does not hold is not drawn.
+  EXPECT_FALSE(in_order({{0.1F, 0}, {0.2F, 3}}, ranks));
+  EXPECT_FALSE(in_order({{0.1F, 3}}, ranks));
+}
+
+TEST(PixelInOrder, TiesMayComeInEitherOrder) {
+  const Ranks ranks{0, 1, 2};
+  const float tie = 0.5F + 0.9F * kDepthTie;
+  EXPECT_TRUE(in_order({{0.5F, 1}, {tie, 0}}, ranks));
+  EXPECT_TRUE(in_order({{0.5F, 0}, {tie, 1}}, ranks));
+  EXPECT_FALSE(in_order({{0.5F, 1}, {0.5F + 3 * kDepthTie, 0}}, ranks));
+  // A tie behind one that is in front, and the other way round.
+  EXPECT_TRUE(in_order({{0.4F, 0}, {0.5F, 2}, {tie, 1}}, ranks));
+  EXPECT_FALSE(in_order({{0.4F, 1}, {0.5F, 2}, {tie, 0}}, ranks));
+  EXPECT_FALSE(in_order({{0.5F, 2}, {tie, 0}, {0.6F, 1}}, ranks));
+}
+
+TEST(PixelInOrder, IsThePairwiseRule) {
+  // Wrong: a node without rank, or two fragments more than a tie apart in the wrong order.
+  Random random(2);
+  int right = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::vector<Fragment> fragments;
+    for (std::uint64_t i = random.below(6); i > 0; --i) {
+      fragments.push_back({static_cast<float>(0.25 + 0.4e-6 * static_cast<double>(random.below(12))),
+                           static_cast<NodeId>(random.below(6))});
+    }
+    std::sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
+      return a.depth != b.depth ? a.depth < b.depth : a.node < b.node;
+    });
+    const Ranks ranks{0, 2, 1, 4, 3, kNoRank};
+    bool expected = true;
+    for (std::size_t j = 0; j < fragments.size(); ++j) {
+      if (ranks[fragments[j].node] == kNoRank) expected = false;
+      for (std::size_t i = 0; i < j; ++i) {
+        if (fragments[j].depth - fragments[i].depth > kDepthTie &&
+            ranks[fragments[i].node] > ranks[fragments[j].node]) {
+          expected = false;
+        }
+      }
+    }
+    ASSERT_EQ(in_order(fragments, ranks), expected) << trial;
+    right += expected ? 1 : 0;
+  }
+  EXPECT_GT(right, 2000);
+  EXPECT_LT(right, 18000);
+}
+
+TEST(CountIncorrectPixels, CountsForegroundOnly) {
+  FragmentBuffer buffer;
+  buffer.width = 4;
+  buffer.height = 1;
+  buffer.offsets = {0, 0, 2, 4, 5};
+  buffer.fragments = {{0.1F, 0}, {0.2F, 1}, {0.1F, 1}, {0.2F, 0}, {0.5F, 1}};
+  const PixelCount count = count_incorrect_pixels(buffer, Ranks{0, 1});
+  EXPECT_EQ(count.foreground, 3U);
+  EXPECT_EQ(count.incorrect, 1U);
+}
+
+TEST(RanksOf, MarksMissingNodes) {
+  EXPECT_EQ(ranks_of(NodeSequence{3, 0}, 2), (Ranks{1, kNoRank, kNoRank, 0}));
+}
+
+TEST(IndexBuffer, TurnsFlippedTwins) {
+  const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}, {{0, 1, 2}, {1, 3, 2}}};
+  EXPECT_EQ(index_buffer(mesh, NodeSequence{3, 0}), (Ranks{1, 2, 3, 0, 1, 2}));
+}
+
+TEST(CentroidSorted, NearestFirstWithTheFacingSeen) {
+  // Three triangles along z; the middle one is turned away.
+  Mesh mesh;
+  for (const float z : {0.0F, 1.0F, -1.0F})
+    testing::append(mesh, {{{-1, -1, z}, {1, -1, z}, {0, 1, z}}, {}, {{0, 1, 2}}});
+  std::swap(mesh.triangles[1][0], mesh.triangles[1][1]);
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  for (const double distance : {2.0, 5.0, kInfiniteDistance}) {
+    EXPECT_EQ(centroid_sorted(mesh, sphere, {{0, 0, 1}, distance}),
+              (NodeSequence{node_of(1, true), node_of(0, false), node_of(2, false)}));
+    EXPECT_EQ(centroid_sorted(mesh, sphere, {{0, 0, -1}, distance}),
+              (NodeSequence{node_of(2, true), node_of(0, true), node_of(1, false)}));
+  }
+}
+
+}  // namespace
+}  // namespace pellucid

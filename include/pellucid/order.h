@@ -119,7 +119,7 @@ struct OrderOptions {
 
   double max_error = 0.001;        // budget: add buffers until the measured IPR is at most this
   std::uint32_t max_buffers = 16;  // budget: never more than this many
-  std::uint32_t min_buffers = 1;   // budget: start here (equal to max_buffers: exactly that many)
+  std::uint32_t min_buffers = 1;   // budget: start here (equal to max_buffers: that many, but none unused)
   MergePriority priority = MergePriority::union_size;  // acyclic
   std::uint32_t fruitless_rounds = 5;                  // acyclic: relaxation stops after so many
 

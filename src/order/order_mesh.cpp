@@ -61,7 +61,7 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
   if (options.max_buffers == 0 || options.min_buffers == 0) refuse("at least one buffer is needed");
   if (options.min_buffers > options.max_buffers) refuse("the least number of buffers exceeds the largest");
   if (options.raster_size == 0 || options.raster_size > 8192) refuse("the raster size must be 1 .. 8192");
-  if (options.tolerance > 1) refuse("the tolerance is in bounding radii and must not exceed 1");
+  if (!(options.tolerance <= 1)) refuse("the tolerance is in bounding radii and must not exceed 1");
 }
 
 // Which nodes some cell of a cluster can see, within the valid range of distances (never too few).
@@ -169,8 +169,6 @@ class Orderer {
     result_.statistics.seconds.graph = stage.lap();
 
     const Clustering clustering = without_unused_orders(cluster(coarse, fine));
-    if (fine.graph.total_weight > 0)
-      result_.statistics.violated_weight = clustering.violated / fine.graph.total_weight;
     result_.statistics.seconds.cluster = stage.lap();
 
     begin_stage(options_.progress, "sequences", clustering.cluster_count());

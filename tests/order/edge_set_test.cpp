@@ -159,5 +159,41 @@ TEST(ExtendRanks, AgreeWithKahnEdgeSetByEdgeSet) {
   EXPECT_GT(refused, 1000);
 }
 
+// Every pair of nodes with a path between them.
+Pairs closure(std::uint32_t nodes, const Pairs& edges) {
+  Pairs paths = edges;
+  for (NodeId via = 0; via < nodes; ++via) {
+    for (NodeId from = 0; from < nodes; ++from) {
+      for (NodeId to = 0; to < nodes; ++to) {
+        if (paths.contains({from, via}) && paths.contains({via, to})) paths.emplace(from, to);
+      }
+    }
+  }
+  return paths;
+}
+
+TEST(WithoutShortcuts, KeepsEveryPathAndNoTriangle) {
+  Random random(4);
+  std::size_t removed = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const auto nodes = static_cast<std::uint32_t>(2 + random.below(12));
+    Pairs edges;
+    for (const auto& [u, v] : random_pairs(nodes, 4 * nodes, random))
+      edges.emplace(std::min(u, v), std::max(u, v));
+    const OcclusionGraph graph = graph_of(nodes, {edges});
+    const EdgeTable table = make_edge_table(graph);
+    const Pairs kept = pairs_of(table, without_shortcuts(table, edges_of_cell(table, graph.cells[0])));
+    EXPECT_EQ(closure(nodes, kept), closure(nodes, edges));
+    for (const auto& [u, v] : edges) {
+      bool implied = false;
+      for (NodeId via = 0; via < nodes; ++via)
+        implied |= edges.contains({u, via}) && edges.contains({via, v});
+      EXPECT_EQ(kept.contains({u, v}), !implied);
+    }
+    removed += edges.size() - kept.size();
+  }
+  EXPECT_GT(removed, 500U);
+}
+
 }  // namespace
 }  // namespace pellucid

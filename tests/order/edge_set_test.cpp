@@ -133,6 +133,7 @@ TEST(ExtendRanks, AgreeWithKahnEdgeSetByEdgeSet) {
   for (int trial = 0; trial < 3000; ++trial) {
     const auto nodes = static_cast<std::uint32_t>(2 + random.below(20));
     std::vector<Pairs> parts;
+    parts.reserve(6);
     for (int i = 0; i < 6; ++i) parts.push_back(random_pairs(nodes, 1 + random.below(6), random));
     const OcclusionGraph graph = graph_of(nodes, parts);
     const EdgeTable table = make_edge_table(graph);

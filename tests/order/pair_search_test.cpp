@@ -30,6 +30,7 @@ std::vector<Pair> search(PairSearch& grid, const std::vector<Bounds2>& bounds) {
   std::vector<CandidatePair> found{{7, 7}};  // must be replaced
   grid.find(bounds, found);
   std::vector<Pair> pairs;
+  pairs.reserve(found.size());
   for (const CandidatePair& p : found) pairs.emplace_back(std::min(p.a, p.b), std::max(p.a, p.b));
   std::sort(pairs.begin(), pairs.end());
   return pairs;
@@ -62,6 +63,7 @@ TEST(PairSearch, FindsWhatTestingAllPairsFinds) {
 TEST(PairSearch, OneHugeBoxAmongTinyOnes) {
   Random random(2);
   std::vector<Bounds2> bounds;
+  bounds.reserve(3001);
   for (int i = 0; i < 3000; ++i) bounds.push_back(random_box(random, 1, 0.002));
   bounds.push_back({-1, -1, 1.1F, 1.1F});
   PairSearch grid;

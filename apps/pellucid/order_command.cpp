@@ -343,7 +343,7 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
                           ->check(CLI::Range(1U, 65535U))
                           ->capture_default_str()
                           ->group("Method");
-  command.add_option("--buffers", o.buffers, "Exactly this many buffers (budget)")
+  command.add_option("--buffers", o.buffers, "This many buffers, none of them unused (budget)")
       ->check(CLI::Range(1U, 65535U))
       ->excludes(max_buffers)
       ->group("Method");

@@ -135,7 +135,9 @@ OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options);
 
 // --------------------------------------------------------------------------------- run-time counterpart
 
-// Index of the order that draws `mesh` from a viewpoint (exact descent of pellucid/runtime/select.h).
+// Index of the order that draws the mesh from a viewpoint (exact descent of pellucid/runtime/select.h).
+// O(level) for S[n,m]; P[n] rebuilds its vertices, O(cells): programs that ask every frame use select.h
+// itself.
 std::uint32_t select_order(const OrderSet& set, const Vec3d& direction);
 
 // rank[node] = position in the sequence, kNoRank for nodes that it does not hold. Size 2 * triangles.

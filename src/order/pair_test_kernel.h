@@ -116,7 +116,8 @@ struct Verdict {
 // precision, magnified by the slopes, and the few operations that follow, on numbers of the size of the
 // triangles.
 constexpr float kRounding = 2e-7F;
-// An overlap smaller than this share of its square extent is rounding noise of the boundary sum.
+// An overlap smaller than this share of its square extent may be rounding noise of the boundary sum:
+// doubtful.
 constexpr float kAreaNoise = 1e-6F;
 
 // Corners of both triangles are relative to A's first corner, which keeps rounding errors small.
@@ -161,7 +162,8 @@ Verdict<L> decide(const Corners<typename L::V>& a, const Plane<typename L::V>& p
   verdict.area = L::mul(L::set(0.5F), overlap.doubled_area);
   verdict.a_in_front = L::both(covered, L::both(a_nearer, L::negate(b_nearer)));
   verdict.b_in_front = L::both(covered, L::both(b_nearer, L::negate(a_nearer)));
-  verdict.doubtful = L::both(covered, L::negate(L::either(verdict.a_in_front, verdict.b_in_front)));
+  verdict.doubtful =
+      L::both(L::negate(separated), L::negate(L::either(verdict.a_in_front, verdict.b_in_front)));
   return verdict;
 }
 

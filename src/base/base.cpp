@@ -17,9 +17,12 @@ std::uint64_t peak_rss_bytes() {
 }
 
 ThreadLimit::ThreadLimit(unsigned threads)
-    : control_(threads == 0 ? nullptr
-                            : new tbb::global_control(tbb::global_control::max_allowed_parallelism, threads)) {}
+    : control_(threads == 0
+                   ? nullptr
+                   : new tbb::global_control(tbb::global_control::max_allowed_parallelism, threads)) {}
 
-ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+ThreadLimit::~ThreadLimit() {
+  delete static_cast<tbb::global_control*>(control_);
+}
 
 }  // namespace pellucid

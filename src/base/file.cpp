@@ -12,7 +12,9 @@
 namespace pellucid {
 namespace {
 
-std::string system_reason(int error) { return std::strerror(error); }
+std::string system_reason(int error) {
+  return std::strerror(error);
+}
 
 // A file descriptor that closes itself, and a path that removes itself unless the file was kept.
 struct TemporaryFile {

@@ -1,7 +1,7 @@
 // Clustering as in the paper: see acyclic.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT
-// 2018, section 3.2. Differs in: edges that two others of a cell imply are left out of its set (about half; the
-// orders are the same, and priorities count what is left); pairs once found infeasible are never tried again while
-// both clusters only grow.
+// 2018, section 3.2. Differs in: edges that two others of a cell imply are left out of its set (about half;
+// the orders are the same, and priorities count what is left); pairs once found infeasible are never tried
+// again while both clusters only grow.
 #include "acyclic.h"
 
 #include <tbb/parallel_for.h>

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <ranges>
 
 namespace pellucid {
 namespace {
@@ -248,8 +249,7 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
   for (std::uint32_t i = begin; i < end; ++i) {
     if (!search.seen(sequence[i])) ranks[sequence[i]] = rank++;
   }
-  for (auto node = search.finished().rbegin(); node != search.finished().rend(); ++node)
-    ranks[*node] = rank++;
+  for (const NodeId node : search.finished() | std::views::reverse) ranks[node] = rank++;
   return true;
 }
 

@@ -113,7 +113,7 @@ void PairSearch::choose_grid(const std::vector<Bounds2>& bounds) {
 
 void PairSearch::fill_grid(const std::vector<Bounds2>& bounds) {
   const auto cell_id = [&](std::int32_t x, std::int32_t y) {
-    return static_cast<std::size_t>(y * columns_ + x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
   };
   const auto cell_count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   starts_.assign(cell_count + 1, 0);

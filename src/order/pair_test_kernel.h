@@ -115,10 +115,10 @@ struct Verdict {
 // Bound of the rounding errors of a height difference: coordinates of size about 1 rounded to single
 // precision, magnified by the slopes, and the few operations that follow, on numbers of the size of the
 // triangles.
-constexpr float kRounding = 2e-7F;
+inline constexpr float kRounding = 2e-7F;
 // An overlap smaller than this share of its square extent may be rounding noise of the boundary sum:
 // doubtful.
-constexpr float kAreaNoise = 1e-6F;
+inline constexpr float kAreaNoise = 1e-6F;
 
 // Corners of both triangles are relative to A's first corner, which keeps rounding errors small.
 template <class L>

@@ -68,10 +68,11 @@ std::vector<Vec3d> spread_directions(std::uint32_t count, Random& random) {
   return chosen;
 }
 
-// Sum the clusters' edges and sift their orders, clusters one by one (each sum is parallel and large).
+// Sum the edges of the clusters whose cells have changed, and sift their orders.
 void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options, float light,
-                      Clustering& clustering) {
+                      const std::vector<std::uint8_t>& changed, Clustering& clustering) {
   tbb::parallel_for(std::uint32_t{0}, clustering.cluster_count(), [&](std::uint32_t cluster) {
+    if (changed[cluster] == 0) return;
     stop_if_requested(options.progress);
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, cluster);
     const PairWishes wishes = net_wishes(sum_cells(graph, cells, light * static_cast<float>(cells.size())));
@@ -113,6 +114,19 @@ void reseed_empty_clusters(const std::vector<double>& table, Clustering& cluster
     clustering.ranks[cluster] = clustering.ranks[clustering.cluster_of[worst]];
     clustering.cluster_of[worst] = cluster;
   }
+}
+
+// Which clusters gained or lost a cell.
+std::vector<std::uint8_t> changed_clusters(const std::vector<std::uint32_t>& before,
+                                           const std::vector<std::uint32_t>& after,
+                                           std::uint32_t cluster_count) {
+  std::vector<std::uint8_t> changed(cluster_count, 0);
+  for (std::size_t cell = 0; cell < after.size(); ++cell) {
+    if (before[cell] == after[cell]) continue;
+    changed[before[cell]] = 1;
+    changed[after[cell]] = 1;
+  }
+  return changed;
 }
 
 }  // namespace
@@ -208,12 +222,22 @@ Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, con
   std::vector<double> table = violation_table(graph, current.ranks);
   reassign_cells(table, current);
   Clustering best = current;
+  // The cells that the orders were last made for, and the lightness of the edges then left out.
+  std::vector<std::uint32_t> ordered_for;
+  float ordered_light = 0;
   bool last = false;
   for (std::uint32_t round = 0; !last && best.violated > 0; ++round) {
     const double before = best.violated;
     last = round + 1 >= options.rounds;
+    const float light = last ? 0.0F : options.light;
     reseed_empty_clusters(table, current);
-    reorder_clusters(graph, options, last ? 0.0F : options.light, current);
+    const bool all = ordered_for.empty() || light != ordered_light;
+    reorder_clusters(graph, options, light,
+                     all ? std::vector<std::uint8_t>(current.cluster_count(), 1)
+                         : changed_clusters(ordered_for, current.cluster_of, current.cluster_count()),
+                     current);
+    ordered_for = current.cluster_of;
+    ordered_light = light;
     table = violation_table(graph, current.ranks);
     reassign_cells(table, current);
     current.rounds = round + 1;

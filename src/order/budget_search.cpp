@@ -13,9 +13,11 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kStarts = 3;      // coarse restarts per number of clusters
-constexpr std::uint32_t kFineRounds = 2;  // rounds on the full mesh
-constexpr float kLight = 2e-7F;           // mean square radii: left out of all fine rounds but the last
+constexpr std::uint32_t kStarts = 3;       // coarse restarts per number of clusters
+constexpr std::uint32_t kTrialRounds = 2;  // of each start; then the best one goes on
+constexpr std::uint32_t kUsualCount = 4;   // orders that most meshes need at the default error
+constexpr std::uint32_t kFineRounds = 2;   // rounds on the full mesh
+constexpr float kLight = 1e-6F;            // mean square radii: left out of all fine rounds but the last
 // The full mesh's error over the coarse mesh's, before any is known: finer triangles leave less to get wrong.
 constexpr double kFinePerCoarse = 0.4;
 // One buffer less is worth a try on the full mesh when it is expected to miss the error by no more than this
@@ -39,7 +41,7 @@ class BudgetSearch {
     const std::uint32_t most = std::max(options_.max_buffers, options_.min_buffers);
     // The coarse mesh says where to look; the full mesh decides.
     begin_stage(options_.progress, "clustering", 0);
-    std::uint32_t count = likely_count(most);
+    std::uint32_t count = likely_count(options_.min_buffers, most);
 
     BudgetResult best = solve_fine(count);
     if (best.measured_error <= options_.max_error) {
@@ -49,8 +51,10 @@ class BudgetSearch {
         best = std::move(fewer);
       }
     } else {
+      // The full mesh has told how much harder it is than the coarse one: go where that says.
       while (count < most && best.measured_error > options_.max_error) {
-        BudgetResult more = solve_fine(++count);
+        count = likely_count(count + 1, most);
+        BudgetResult more = solve_fine(count);
         const bool worth_it = more.measured_error < kWorthwhile * best.measured_error;
         if (worth_it) best = std::move(more);
         if (!worth_it) break;
@@ -60,18 +64,25 @@ class BudgetSearch {
   }
 
  private:
+  [[nodiscard]] bool same_problem() const { return &coarse_ == &fine_; }
   [[nodiscard]] bool same_mesh() const { return coarse_.mesh == fine_.mesh; }
 
-  // The first count that the coarse mesh expects to do; where none does (faces that intersect have no right
-  // order at all), the first after which more buffers hardly help.
-  std::uint32_t likely_count(std::uint32_t most) {
-    std::uint32_t count = options_.min_buffers;
-    std::uint32_t best = count;
-    for (; expected_error(count) > options_.max_error; ++count) {
-      if (coarse_error(count) < kWorthwhile * coarse_error(best)) best = count;
-      if (count == most || count - best == kPatience) return best;
+  // The least count from `least` on that the coarse mesh expects to do, looked for from the usual result;
+  // where none does (faces that intersect have no right order at all), the one after which more buffers
+  // hardly help.
+  std::uint32_t likely_count(std::uint32_t least, std::uint32_t most) {
+    std::uint32_t count = std::clamp(kUsualCount, least, most);
+    if (expected_error(count) <= options_.max_error) {
+      while (count > least && expected_error(count - 1) <= options_.max_error) --count;
+      return count;
     }
-    return count;
+    std::uint32_t best = count;
+    while (count < most && count - best < kPatience) {
+      if (expected_error(++count) <= options_.max_error) return count;
+      if (coarse_error(count) < kWorthwhile * coarse_error(best)) best = count;
+    }
+    while (best > least && coarse_error(best) > kWorthwhile * coarse_error(best - 1)) --best;
+    return best;
   }
 
   // What the coarse solution lets us expect of the full mesh.
@@ -92,19 +103,22 @@ class BudgetSearch {
       stop_if_requested(options_.progress);
       const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition,
                                             count, options_.seed * 1000 + trial);
-      trials[trial] = improve_clustering(coarse_.graph, start, {});
+      KMeansOptions first_rounds;
+      first_rounds.rounds = kTrialRounds;
+      trials[trial] = improve_clustering(coarse_.graph, start, first_rounds);
     });
     const auto best =
         std::min_element(trials.begin(), trials.end(),
                          [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
-    return coarse_solutions_.emplace(count, std::move(*best)).first->second;
+    return coarse_solutions_.emplace(count, improve_clustering(coarse_.graph, std::move(*best), {}))
+        .first->second;
   }
 
   BudgetResult solve_fine(std::uint32_t count) {
     stop_if_requested(options_.progress);
     BudgetResult result;
     const Clustering& coarse = solve_coarse(count);
-    if (same_mesh()) {
+    if (same_problem()) {
       result.clustering = coarse;
     } else {
       Clustering start;

@@ -30,7 +30,7 @@ struct BudgetResult {
   double measured_error = 0;  // mean IPR on the held-out viewpoints
 };
 
-// `coarse` may be `fine` itself for small meshes.
+// `coarse` is a simpler mesh, or fewer cells, or both; or `fine` itself, where there is nothing to leave out.
 BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine,
                            const BudgetOptions& options);
 

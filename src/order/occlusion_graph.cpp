@@ -149,35 +149,26 @@ class GraphBuilder {
 
 }  // namespace
 
-void RowAccumulator::sort_touched() {
-  // Long rows come out sorted by walking the marks, short ones sort faster than the marks are walked.
-  if (touched_.size() * 16 < marks_.size()) {
-    std::sort(touched_.begin(), touched_.end());
-    return;
-  }
-  touched_.clear();
-  for (std::uint32_t word = 0; word < marks_.size(); ++word) {
-    for (std::uint64_t bits = marks_[word]; bits != 0; bits &= bits - 1) {
-      touched_.push_back(64 * word + static_cast<NodeId>(std::countr_zero(bits)));
-    }
-  }
-}
-
 double RowAccumulator::flush(EdgeRows& rows, float least) {
-  sort_touched();
   double left_out = 0;
-  for (const NodeId back : touched_) {
-    const float weight = sums_[back];
-    sums_[back] = 0.0F;
-    marks_[back / 64] = 0;
-    if (weight < least) {
-      left_out += static_cast<double>(weight);
-      continue;
+  for (std::uint32_t group = 0; group < marked_words_.size(); ++group) {
+    for (std::uint64_t words = marked_words_[group]; words != 0; words &= words - 1) {
+      const std::uint32_t word = 64 * group + static_cast<std::uint32_t>(std::countr_zero(words));
+      for (std::uint64_t bits = marks_[word]; bits != 0; bits &= bits - 1) {
+        const NodeId back = 64 * word + static_cast<NodeId>(std::countr_zero(bits));
+        const float weight = sums_[back];
+        sums_[back] = 0.0F;
+        if (weight < least) {
+          left_out += static_cast<double>(weight);
+          continue;
+        }
+        rows.backs.push_back(back);
+        rows.weights.push_back(weight);
+      }
+      marks_[word] = 0;
     }
-    rows.backs.push_back(back);
-    rows.weights.push_back(weight);
+    marked_words_[group] = 0;
   }
-  touched_.clear();
   rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
   return left_out;
 }

@@ -53,21 +53,18 @@ OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sph
                                      const ViewPartition& partition, const GraphOptions& options);
 
 // Adds up rows of many graphs without sorting keys: a dense accumulator per row (Gustavson's sparse
-// accumulator).
+// accumulator), with two levels of marks to find what was touched, in order.
 class RowAccumulator {
  public:
   explicit RowAccumulator(std::uint32_t node_count)
-      : sums_(node_count, 0.0F), marks_((std::size_t{node_count} + 63) / 64, 0) {}
+      : sums_(node_count, 0.0F), marks_(node_count / 64 + 1, 0), marked_words_(marks_.size() / 64 + 1, 0) {}
 
   void add(std::span<const NodeId> backs, std::span<const float> weights, float scale) {
     for (std::size_t i = 0; i < backs.size(); ++i) {
       const NodeId back = backs[i];
       sums_[back] += weights[i] * scale;
-      const std::uint64_t bit = std::uint64_t{1} << (back % 64);
-      if ((marks_[back / 64] & bit) == 0) {
-        marks_[back / 64] |= bit;
-        touched_.push_back(back);
-      }
+      marks_[back / 64] |= std::uint64_t{1} << (back % 64);
+      marked_words_[back / 4096] |= std::uint64_t{1} << (back / 64 % 64);
     }
   }
   // Append the row to `rows`, sorted by back node, without entries below `least`, and clear. Returns the
@@ -75,11 +72,9 @@ class RowAccumulator {
   double flush(EdgeRows& rows, float least);
 
  private:
-  void sort_touched();
-
   std::vector<float> sums_;
-  std::vector<std::uint64_t> marks_;  // one bit a node: is it in touched_?
-  std::vector<NodeId> touched_;
+  std::vector<std::uint64_t> marks_;         // one bit a node
+  std::vector<std::uint64_t> marked_words_;  // one bit a word of marks_
 };
 
 // Sum of the graphs of some cells, without edges that weigh less than `least` in total.

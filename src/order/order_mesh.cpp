@@ -115,6 +115,11 @@ std::vector<std::uint32_t> cache_positions(const Mesh& mesh) {
   return positions;
 }
 
+// A mesh hardly larger than the coarse one is searched as it is.
+bool has_simpler(const Mesh& mesh) {
+  return mesh.triangles.size() > kCoarseTriangles * 3 / 2;
+}
+
 // Fewer cells of the same sampling density, for the search.
 PartitionSpec coarse_partition(const PartitionSpec& spec) {
   if (spec.kind == PartitionKind::viewpoints) return spec;
@@ -157,14 +162,14 @@ class Orderer {
     const Mesh simplified = upsampling ? simplify(mesh_, kUpsampleFrom) : Mesh{};
     const Mesh& ordered = upsampling ? simplified : mesh_;
 
-    // Search on a coarse mesh; a small mesh is its own.
-    const bool has_coarse = ordered.triangles.size() > 2 * kCoarseTriangles;
-    const Mesh coarse_mesh = has_coarse ? simplify(ordered, kCoarseTriangles) : Mesh{};
     const OrderProblem fine = make_problem(ordered, options_.partition, options_, tolerance_of(options_));
+    const Mesh simpler = has_simpler(ordered) ? simplify(ordered, kCoarseTriangles) : Mesh{};
+    const Mesh& coarse_mesh = has_simpler(ordered) ? simpler : ordered;
+    const PartitionSpec coarse_spec = coarse_partition(options_.partition);
+    const bool own_search = &coarse_mesh == &ordered && coarse_spec == options_.partition;
     const OrderProblem coarse_own =
-        has_coarse ? make_problem(coarse_mesh, coarse_partition(options_.partition), options_, 0.0)
-                   : OrderProblem{};
-    const OrderProblem& coarse = has_coarse ? coarse_own : fine;
+        own_search ? OrderProblem{} : make_problem(coarse_mesh, coarse_spec, options_, 0.0);
+    const OrderProblem& coarse = own_search ? fine : coarse_own;
     record_graph(fine.graph);
     result_.statistics.seconds.graph = stage.lap();
 
@@ -341,12 +346,11 @@ std::vector<double> default_distances() {
 
 ValidRange valid_range(const std::vector<double>& distances) {
   const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
-  if (*least < *most) return {*least, *most};
-  // One distance: near it. From infinity the view of a finite camera differs by its perspective, 1 /
-  // distance.
+  // From infinity the view of a finite camera differs by its perspective, 1 / distance.
   constexpr double kFarEnough = 8;
   if (std::isinf(*least)) return {kFarEnough, kInfiniteDistance};
-  return {std::max(1.0, 0.75 * *least), 1.5 * *least};
+  // Errors grow slowly with distance: 3 radii stand for the paper's 2 to 5.
+  return {std::max(1.0, 2.0 / 3.0 * *least), 5.0 / 3.0 * *most};
 }
 
 OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,

@@ -358,6 +358,18 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
       ->type_name("N")
       ->capture_default_str()
       ->group("Method");
+  command
+      .add_option("--upsample-from", order.upsample_from,
+                  "Order N triangles, carry that over to all (0: never; default: from 20000 above 60000)")
+      ->type_name("N")
+      ->group("Method");
+  command
+      .add_option("--refine", order.refine_rounds,
+                  "Rounds of repair on the full mesh after that (0: none, the paper's form)")
+      ->type_name("N")
+      ->check(CLI::Range(0U, 16U))
+      ->capture_default_str()
+      ->group("Method");
   command.add_option("--tolerance", order.tolerance, "Ignore overlaps thinner than this, in bounding radii")
       ->check(CLI::Range(0.0, 1.0))
       ->group("Method");

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -66,7 +67,7 @@ struct OrderSet {
 };
 
 struct StageSeconds {
-  double graph = 0, cluster = 0, sequence = 0, total = 0;
+  double graph = 0, cluster = 0, sequence = 0, refine = 0, total = 0;
 };
 
 struct OrderStatistics {
@@ -122,6 +123,11 @@ struct OrderOptions {
   std::uint32_t min_buffers = 1;   // budget: start here (equal to max_buffers: that many, but none unused)
   MergePriority priority = MergePriority::union_size;  // acyclic
   std::uint32_t fruitless_rounds = 5;                  // acyclic: relaxation stops after so many
+
+  // Section 5: order the mesh simplified to so many triangles, carry the order over to all, and repair it
+  // there. 0: never. Unset: above 60,000 triangles, from 20,000.
+  std::optional<std::uint32_t> upsample_from;
+  std::uint32_t refine_rounds = 1;  // of that repair; 0: none, the paper's form
 
   std::uint32_t cache_size = 20;  // FIFO size that sequences are optimised for; 0: leave the sequence alone
   std::uint64_t seed = 1;

@@ -149,15 +149,9 @@ class BudgetSearch {
   }
 
   double error_of(const OrderProblem& problem, const Clustering& clustering) const {
-    ValidationOptions options;
-    options.min_distance = std::max(options_.range.from, std::min(2.0, options_.range.to));
-    options.max_distance =
-        std::clamp(5.0, options.min_distance, std::max(options.min_distance, options_.range.to));
-    options.front_only = options_.front_only;
-    options.seed = options_.seed + 0x5EED;
-    options.progress = options_.progress;
-    return measure_incorrect_pixels(*problem.mesh, problem.sphere, problem.partition, clustering.cluster_of,
-                                    clustering.ranks, options);
+    return measure_incorrect_pixels(
+        *problem.mesh, problem.sphere, problem.partition, clustering.cluster_of, clustering.ranks,
+        held_out_viewpoints(options_.range, options_.front_only, options_.seed, options_.progress));
   }
 
   const OrderProblem& coarse_;

@@ -28,10 +28,13 @@ EdgeRows transposed(const EdgeRows& edges) {
   return out;
 }
 
+constexpr double kStep = 0.25;  // ranks
+
 class Sifter {
  public:
-  Sifter(const PairWishes& wishes, std::vector<std::uint32_t>& ranks)
+  Sifter(const PairWishes& wishes, std::span<const std::uint8_t> movable, std::vector<std::uint32_t>& ranks)
       : wishes_(wishes),
+        movable_(movable),
         ranks_(ranks),
         positions_(ranks.begin(), ranks.end()),
         sequence_(ranks.size()),
@@ -44,7 +47,7 @@ class Sifter {
     for (NodeId node = 0; node < ranks_.size(); ++node) positions_[node] = ranks_[node];
     double saved = 0;
     for (const NodeId node : sequence_) {
-      if (unsettled_[node] == 0) continue;
+      if (unsettled_[node] == 0 || (!movable_.empty() && movable_[node] == 0)) continue;
       unsettled_[node] = 0;
       saved += move(node);
     }
@@ -122,13 +125,16 @@ class Sifter {
       gain -= static_cast<double>(sign * passed[i].weight);
       if (gain > best.gain) {
         const double next = i + 1 < passed.size() ? passed[i + 1].position : beyond;
-        best = {gain, 0.5 * (passed[i].position + next)};
+        // Close behind the one passed: other nodes may lie in the gap whose wishes are not known.
+        const double step = 0.5 * (next - passed[i].position);
+        best = {gain, passed[i].position + std::clamp(step, -kStep, kStep)};
       }
     }
     return best;
   }
 
   const PairWishes& wishes_;
+  std::span<const std::uint8_t> movable_;
   std::vector<std::uint32_t>& ranks_;
   std::vector<double> positions_;  // ranks, and fractions between them for nodes that moved in this sweep
   std::vector<NodeId> sequence_;
@@ -188,7 +194,7 @@ double violated_weight(const PairWishes& wishes, std::span<const std::uint32_t> 
 double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks) {
   const double before = violated_weight(wishes, ranks);
   std::vector<std::uint32_t> trial = ranks;
-  Sifter sifter(wishes, trial);
+  Sifter sifter(wishes, options.movable, trial);
   double left = before;
   for (std::uint32_t sweep = 0; sweep < options.sweeps && left > 0; ++sweep) {
     const double saved = sifter.sweep();

@@ -32,6 +32,8 @@ struct SiftOptions {
   std::uint32_t sweeps = 10;
   // Stop when a sweep lowers the violated weight by less than this share.
   double least_gain = 0.01;
+  // Nodes that may move (one flag a node); empty: all. The others' wishes need not be complete.
+  std::span<const std::uint8_t> movable;
 };
 // Improve `ranks` (a permutation of 0 .. nodes - 1) in place; never makes it worse. Returns the violated
 // weight. O(edges) a sweep, plus sorting of what violated nodes look at.

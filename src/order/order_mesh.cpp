@@ -1,5 +1,4 @@
 // From a mesh to its in-depth buffers: see pellucid/order.h.
-#include <meshoptimizer.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,11 +7,14 @@
 #include <numeric>
 
 #include "acyclic.h"
+#include "base_sequence.h"
 #include "budget_search.h"
 #include "order_problem.h"
 #include "pellucid/order.h"
+#include "refine.h"
 #include "sequence.h"
 #include "upsample.h"
+#include "validation.h"
 
 namespace pellucid {
 namespace {
@@ -85,36 +87,6 @@ std::vector<std::uint8_t> visible_nodes(const OrderProblem& problem, const std::
   return drawn;
 }
 
-// Triangles in the order of an unconstrained vertex-cache optimisation: position by triangle.
-std::vector<std::uint32_t> cache_positions(const Mesh& mesh) {
-  std::vector<std::uint32_t> indices;
-  indices.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
-  // The optimiser permutes whole triangles but may rotate them: find them again by sorted corners.
-  std::vector<std::uint32_t> optimized(indices.size());
-  meshopt_optimizeVertexCache(optimized.data(), indices.data(), indices.size(), mesh.positions.size());
-  const auto key = [](const std::uint32_t* c) {
-    std::array<std::uint32_t, 3> k{c[0], c[1], c[2]};
-    std::rotate(k.begin(), std::min_element(k.begin(), k.end()), k.end());
-    return k;
-  };
-  const auto sorted = [&](const std::vector<std::uint32_t>& list) {
-    std::vector<std::uint32_t> order(list.size() / 3);
-    std::iota(order.begin(), order.end(), 0U);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const auto ka = key(&list[3 * std::size_t{a}]);
-      const auto kb = key(&list[3 * std::size_t{b}]);
-      return ka != kb ? ka < kb : a < b;
-    });
-    return order;
-  };
-  const std::vector<std::uint32_t> before = sorted(indices);
-  const std::vector<std::uint32_t> after = sorted(optimized);
-  std::vector<std::uint32_t> positions(mesh.triangles.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) positions[before[i]] = after[i];
-  return positions;
-}
-
 // A mesh hardly larger than the coarse one is searched as it is.
 bool has_simpler(const Mesh& mesh) {
   return mesh.triangles.size() > kCoarseTriangles * 3 / 2;
@@ -132,21 +104,6 @@ PartitionSpec coarse_partition(const PartitionSpec& spec) {
   return coarse;
 }
 
-// The edges between faces as stored, without the flipped twins.
-EdgeRows stored_facings_only(const EdgeRows& edges) {
-  EdgeRows stored;
-  stored.offsets.push_back(0);
-  for (NodeId front = 0; front < edges.node_count(); ++front) {
-    for (std::uint32_t i = edges.offsets[front]; !is_flipped(front) && i < edges.offsets[front + 1]; ++i) {
-      if (is_flipped(edges.backs[i])) continue;
-      stored.backs.push_back(edges.backs[i]);
-      stored.weights.push_back(edges.weights[i]);
-    }
-    stored.offsets.push_back(static_cast<std::uint32_t>(stored.backs.size()));
-  }
-  return stored;
-}
-
 class Orderer {
  public:
   Orderer(const Mesh& mesh, const OrderOptions& options) : mesh_(mesh), options_(options) {
@@ -158,11 +115,13 @@ class Orderer {
   OrderResult run() {
     Stopwatch total;
     Stopwatch stage;
-    const bool upsampling = mesh_.triangles.size() > kMostDirectTriangles;
-    const Mesh simplified = upsampling ? simplify(mesh_, kUpsampleFrom) : Mesh{};
+    const std::uint32_t upsample_from =
+        options_.upsample_from.value_or(mesh_.triangles.size() > kMostDirectTriangles ? kUpsampleFrom : 0);
+    const bool upsampling = upsample_from > 0 && upsample_from < mesh_.triangles.size();
+    const Mesh simplified = upsampling ? simplify(mesh_, upsample_from) : Mesh{};
     const Mesh& ordered = upsampling ? simplified : mesh_;
 
-    const OrderProblem fine = make_problem(ordered, options_.partition, options_, tolerance_of(options_));
+    OrderProblem fine = make_problem(ordered, options_.partition, options_, tolerance_of(options_));
     const Mesh simpler = has_simpler(ordered) ? simplify(ordered, kCoarseTriangles) : Mesh{};
     const Mesh& coarse_mesh = has_simpler(ordered) ? simpler : ordered;
     const PartitionSpec coarse_spec = coarse_partition(options_.partition);
@@ -176,21 +135,16 @@ class Orderer {
     const Clustering clustering = without_unused_orders(cluster(coarse, fine));
     result_.statistics.seconds.cluster = stage.lap();
 
-    begin_stage(options_.progress, "sequences", clustering.cluster_count());
-    result_.orders.orders.resize(clustering.cluster_count());
-    std::vector<NodeId> parents;
-    if (upsampling) parents = nearest_coarse_nodes(mesh_, ordered);
-    for (std::uint32_t c = 0; c < clustering.cluster_count(); ++c) {
-      stop_if_requested(options_.progress);
-      NodeSequence sequence = sequence_cluster(fine, clustering, c);
-      if (upsampling)
-        sequence = upsample_sequence(sequence, parents, cells_of_cluster(clustering.cluster_of, c));
-      result_.orders.orders[c] = std::move(sequence);
-      advance_stage(options_.progress, 1);
-    }
-    write_base_sequence(coarse);
-    finish(clustering);
+    result_.orders.orders = make_sequences(fine, clustering);
+    result_.orders.base_sequence = base_sequence(mesh_, coarse);
     result_.statistics.seconds.sequence = stage.lap();
+
+    if (upsampling) {
+      fine.graph = {};
+      carry_over(ordered, clustering.cluster_of);
+      result_.statistics.seconds.refine = stage.lap();
+    }
+    finish(clustering);
     result_.statistics.seconds.total = total.lap();
     result_.statistics.peak_rss_bytes = peak_rss_bytes();
     return std::move(result_);
@@ -244,81 +198,74 @@ class Orderer {
     return cache_aware_sequence(*problem.mesh, constraints, ranks, drawn, options_.cache_size);
   }
 
-  // Replace every node of the simplified mesh by the nodes of the full mesh that lie nearest to it, in cache
-  // order.
-  NodeSequence upsample_sequence(const NodeSequence& coarse_sequence, const std::vector<NodeId>& parents,
-                                 const std::vector<std::uint32_t>& cells) {
+  std::vector<NodeSequence> make_sequences(const OrderProblem& problem, const Clustering& clustering) {
+    begin_stage(options_.progress, "sequences", clustering.cluster_count());
+    std::vector<NodeSequence> sequences(clustering.cluster_count());
+    for (std::uint32_t c = 0; c < clustering.cluster_count(); ++c) {
+      stop_if_requested(options_.progress);
+      sequences[c] = sequence_cluster(problem, clustering, c);
+      advance_stage(options_.progress, 1);
+    }
+    return sequences;
+  }
+
+  // From sequences of the simplified mesh to sequences of the full one (section 5), repaired there.
+  void carry_over(const Mesh& simplified, const std::vector<std::uint32_t>& cluster_of) {
     OrderProblem full;
     full.mesh = &mesh_;
     full.sphere = bounding_sphere(mesh_);
     full.partition = make_partition(options_.partition);
-    const std::vector<std::uint8_t> drawn = visible_nodes(full, cells, range_, options_.facing);
-    std::vector<std::uint32_t> coarse_ranks(*std::max_element(parents.begin(), parents.end()) + 2, kNoRank);
-    for (std::uint32_t rank = 0; rank < coarse_sequence.size(); ++rank) {
-      if (coarse_sequence[rank] < coarse_ranks.size()) coarse_ranks[coarse_sequence[rank]] = rank;
+    std::vector<std::vector<std::uint32_t>> ranks = carried_ranks(full, simplified, cluster_of);
+
+    RefineOptions refine;
+    refine.rounds = options_.refine_rounds;
+    refine.distances = options_.distances;
+    refine.front_only = options_.facing == Facing::single;
+    refine.progress = options_.progress;
+    const std::vector<EdgeRows> known =
+        refine_orders(mesh_, full.sphere, options_.partition, cluster_of, refine, ranks);
+    if (options_.method == OrderMethod::budget) {
+      result_.statistics.measured_error = measure_incorrect_pixels(
+          mesh_, full.sphere, full.partition, cluster_of, ranks,
+          held_out_viewpoints(range_, refine.front_only, options_.seed, options_.progress));
     }
-    if (full_cache_positions_.empty()) full_cache_positions_ = cache_positions(mesh_);
-    NodeSequence sequence;
-    for (NodeId node = 0; node < drawn.size(); ++node) {
-      if (drawn[node] != 0) sequence.push_back(node);
+    begin_stage(options_.progress, "sequences", ranks.size());
+    for (std::uint32_t c = 0; c < ranks.size(); ++c) {
+      stop_if_requested(options_.progress);
+      const std::vector<std::uint8_t> drawn =
+          visible_nodes(full, cells_of_cluster(cluster_of, c), range_, options_.facing);
+      result_.orders.orders[c] =
+          refine.rounds == 0 || options_.cache_size == 0
+              ? rank_sequence(ranks[c], drawn)
+              : windowed_sequence(mesh_, known[c], ranks[c], drawn, options_.cache_size);
+      advance_stage(options_.progress, 1);
     }
-    // A facing that can be seen although its parent's cannot goes where the parent's other facing is.
-    const auto rank = [&](NodeId node) {
-      const std::uint32_t own = coarse_ranks[parents[node]];
-      return own != kNoRank ? own : coarse_ranks[parents[node] ^ 1U];
-    };
-    std::sort(sequence.begin(), sequence.end(), [&](NodeId a, NodeId b) {
-      const std::uint32_t ra = rank(a);
-      const std::uint32_t rb = rank(b);
-      if (ra != rb) return ra < rb;
-      const std::uint32_t pa = full_cache_positions_[triangle_of(a)];
-      const std::uint32_t pb = full_cache_positions_[triangle_of(b)];
-      return pa != pb ? pa < pb : a < b;
-    });
-    return sequence;
   }
 
-  // One order for every view, for viewers that know of no others: back to front over the faces as stored.
-  // Runs of cache-friendly triangles are sorted by the coarse mesh's best single order.
-  void write_base_sequence(const OrderProblem& coarse) {
-    std::vector<std::uint32_t> all_cells(coarse.partition.cell_count());
-    std::iota(all_cells.begin(), all_cells.end(), 0U);
-    const EdgeRows edges = stored_facings_only(sum_cells(coarse.graph, all_cells));
-    std::vector<std::uint32_t> ranks =
-        ranks_by_key(depth_keys(*coarse.mesh, coarse.sphere, coarse.partition, all_cells));
-    sift(net_wishes(edges), {}, ranks);
-
-    std::vector<NodeId> parents(2 * mesh_.triangles.size());
-    if (coarse.mesh == &mesh_) {
-      std::iota(parents.begin(), parents.end(), 0U);
-    } else {
-      parents = nearest_coarse_nodes(mesh_, *coarse.mesh);
+  // Every node of the full mesh in the place of its nearest coarse node: among those that share one by depth,
+  // which the repair starts from, or in cache order where there is no repair (the paper's form).
+  std::vector<std::vector<std::uint32_t>> carried_ranks(const OrderProblem& full, const Mesh& simplified,
+                                                        const std::vector<std::uint32_t>& cluster_of) const {
+    const std::vector<NodeId> parents = nearest_coarse_nodes(mesh_, simplified);
+    std::vector<double> within(parents.size());
+    if (options_.refine_rounds == 0) {
+      const std::vector<std::uint32_t> positions = cache_positions(mesh_);
+      for (NodeId node = 0; node < within.size(); ++node)
+        within[node] = positions[triangle_of(node)] / static_cast<double>(positions.size());
     }
-    const std::vector<std::uint32_t> positions =
-        full_cache_positions_.empty() ? cache_positions(mesh_) : full_cache_positions_;
-    std::vector<std::uint32_t> cache_order(mesh_.triangles.size());
-    for (std::uint32_t t = 0; t < cache_order.size(); ++t) cache_order[positions[t]] = t;
-
-    constexpr std::size_t kRun =
-        32;  // triangles: long enough to keep the cache warm, short enough to follow the order
-    struct Run {
-      double rank;
-      std::size_t begin, end;
-    };
-    std::vector<Run> runs;
-    for (std::size_t begin = 0; begin < cache_order.size(); begin += kRun) {
-      Run run{0, begin, std::min(begin + kRun, cache_order.size())};
-      for (std::size_t i = run.begin; i < run.end; ++i)
-        run.rank += ranks[parents[2 * std::size_t{cache_order[i]}]];
-      run.rank /= static_cast<double>(run.end - run.begin);
-      runs.push_back(run);
+    std::vector<std::vector<std::uint32_t>> ranks;
+    for (std::uint32_t c = 0; c < result_.orders.orders.size(); ++c) {
+      if (options_.refine_rounds > 0) {
+        within = depth_keys(mesh_, full.sphere, full.partition, cells_of_cluster(cluster_of, c));
+      }
+      std::vector<std::uint32_t> coarse = ranks_of(result_.orders.orders[c], simplified.triangles.size());
+      // A facing that can be seen although its parent's cannot goes where the parent's other facing is.
+      for (NodeId node = 0; node < coarse.size(); ++node) {
+        if (coarse[node] == kNoRank) coarse[node] = coarse[node ^ 1U];
+      }
+      ranks.push_back(ranks_by_key(upsampled_keys(parents, coarse, within)));
     }
-    std::stable_sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.rank > b.rank; });
-    for (const Run& run : runs) {
-      result_.orders.base_sequence.insert(result_.orders.base_sequence.end(),
-                                          cache_order.begin() + static_cast<std::ptrdiff_t>(run.begin),
-                                          cache_order.begin() + static_cast<std::ptrdiff_t>(run.end));
-    }
+    return ranks;
   }
 
   void finish(const Clustering& clustering) {
@@ -335,7 +282,6 @@ class Orderer {
   OrderOptions options_;
   ValidRange range_{};
   OrderResult result_;
-  std::vector<std::uint32_t> full_cache_positions_;
 };
 
 }  // namespace

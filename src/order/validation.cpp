@@ -4,12 +4,24 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "pellucid/raster.h"
 
 namespace pellucid {
+
+ValidationOptions held_out_viewpoints(const ValidRange& range, bool front_only, std::uint64_t seed,
+                                      const Progress* progress) {
+  ValidationOptions options;
+  options.min_distance = std::max(range.from, std::min(2.0, range.to));
+  options.max_distance = std::clamp(5.0, options.min_distance, std::max(options.min_distance, range.to));
+  options.front_only = front_only;
+  options.seed = seed + 0x5EED;
+  options.progress = progress;
+  return options;
+}
 
 double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere,
                                 const ViewPartition& partition, const std::vector<std::uint32_t>& cluster_of,

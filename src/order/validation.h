@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "order_problem.h"
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
@@ -18,6 +19,10 @@ struct ValidationOptions {
   std::uint64_t seed = 1;
   const Progress* progress = nullptr;
 };
+
+// The paper's 2 to 5 radii, held to the range that the orders are made for; other views than any sample.
+ValidationOptions held_out_viewpoints(const ValidRange& range, bool front_only, std::uint64_t seed,
+                                      const Progress* progress);
 
 // Mean share of incorrect foreground pixels (IPR) when every view is drawn in the order of its cell's
 // cluster.

@@ -67,7 +67,8 @@ Json json_of(const PrimitiveOrderReport& primitive) {
                 {{"total", s.seconds.total},
                  {"graph", s.seconds.graph},
                  {"cluster", s.seconds.cluster},
-                 {"sequence", s.seconds.sequence}}}};
+                 {"sequence", s.seconds.sequence},
+                 {"refine", s.seconds.refine}}}};
   return json;
 }
 
@@ -105,6 +106,7 @@ std::string to_json(const OrderReport& report) {
     stages.graph += primitive.statistics.seconds.graph;
     stages.cluster += primitive.statistics.seconds.cluster;
     stages.sequence += primitive.statistics.seconds.sequence;
+    stages.refine += primitive.statistics.seconds.refine;
     for (const BufferStatistics& buffer : primitive.buffers) {
       Json json = json_of(buffer);
       json["primitive"] = primitive.primitive;
@@ -141,6 +143,7 @@ std::string to_json(const OrderReport& report) {
                        {"graph", stages.graph},
                        {"cluster", stages.cluster},
                        {"sequence", stages.sequence},
+                       {"refine", stages.refine},
                        {"validate", report.seconds_validate},
                        {"write", report.seconds_write}}},
                      {"peak_rss_bytes", report.peak_rss_bytes},

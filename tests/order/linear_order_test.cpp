@@ -82,7 +82,7 @@ TEST(Sift, FindsTheOptimumOfSmallGraphsMostly) {
     const double best = best_of_all(edges, nodes);
     std::vector<std::uint32_t> ranks = random_ranks(nodes, random);
     const double start = violated(edges, ranks);
-    const double left = sift(wishes, {30, 0}, ranks) + wishes.unavoidable;
+    const double left = sift(wishes, {30, 0, {}}, ranks) + wishes.unavoidable;
     EXPECT_TRUE(testing::is_permutation_of_all(ranks));
     EXPECT_NEAR(left, violated(edges, ranks), 1e-4);
     EXPECT_LE(left, start + 1e-4);
@@ -118,7 +118,7 @@ TEST(Sift, SortsAcyclicGraphs) {
     const PairWishes wishes = net_wishes(rows_of(nodes, edges));
     std::vector<std::uint32_t> ranks = random_ranks(nodes, random);
     const double start = violated(edges, ranks);
-    const double left = sift(wishes, {100, 0}, ranks);
+    const double left = sift(wishes, {100, 0, {}}, ranks);
     EXPECT_LE(left, 0.6 * start);
     sorted += left == 0 ? 1 : 0;
     // An order without violations stays as it is.
@@ -139,7 +139,7 @@ TEST(Sift, SortsAChain) {
   }
   Random random(5);
   std::vector<std::uint32_t> ranks = random_ranks(40, random);
-  EXPECT_EQ(sift(net_wishes(rows_of(40, edges)), {100, 0}, ranks), 0.0);
+  EXPECT_EQ(sift(net_wishes(rows_of(40, edges)), {100, 0, {}}, ranks), 0.0);
   for (NodeId u = 0; u < 40; ++u) EXPECT_EQ(ranks[u], u);
 }
 

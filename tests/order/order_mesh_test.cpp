@@ -143,8 +143,12 @@ TEST(OrderMesh, DistancesSayWhereOrdersHold) {
   const Mesh mesh = testing::sample_mesh("goblet", 0.1, 300);
   OrderOptions options = quick();
   const OrderSet spread = order_soundly(mesh, options).orders;
-  EXPECT_EQ(spread.valid_from, 1.5);
+  EXPECT_EQ(spread.valid_from, 1.0);
   EXPECT_EQ(spread.valid_to, kInfiniteDistance);
+  options.distances = {3.0};
+  const OrderSet paper = order_soundly(mesh, options).orders;
+  EXPECT_EQ(paper.valid_from, 2.0);
+  EXPECT_EQ(paper.valid_to, 5.0);
   options.distances = {2.0};
   const OrderSet single = order_soundly(mesh, options).orders;
   EXPECT_LT(single.valid_from, 2.0);

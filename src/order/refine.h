@@ -1,0 +1,41 @@
+// Repair of orders that were carried from a simplified mesh to the full one: multi-resolution ordering.
+//
+// The occlusion graphs of all cells of a large mesh do not fit in memory, and need not: a carried order is
+// right for nearly all pairs. Only those matter that are wrong, or so near in the order that a repair could
+// make them wrong. These are looked for from the samples of every cluster, by raster, and sifted.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "occlusion_graph.h"
+#include "pellucid/mesh.h"
+#include "pellucid/order.h"
+#include "pellucid/view.h"
+
+namespace pellucid {
+
+struct RefineOptions {
+  std::uint32_t rounds = 1;  // 0: leave the orders as they are
+  std::uint32_t raster_size = 1024;
+  std::vector<double> distances;
+  bool front_only = false;
+  Progress* progress = nullptr;
+};
+
+// Ranks nearer than this are known pairs, for a mesh of so many nodes.
+std::uint32_t refine_window(std::uint64_t node_count);
+
+// Improve `ranks` (per cluster, per node: permutations) in place. Returns every cluster's known edges: of the
+// pairs seen, those in the wrong order or within refine_window() of each other before the last repair.
+// O(rounds * samples * (pixels + triangles)); memory: the known edges, 16 bytes each while they are collected.
+std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphere, const PartitionSpec& partition,
+                                    const std::vector<std::uint32_t>& cluster_of, const RefineOptions& options,
+                                    std::vector<std::vector<std::uint32_t>>& ranks);
+
+// The nodes with drawn[node] != 0 by rank, rearranged for the vertex cache inside runs of refine_window()
+// ranks, where all edges are known.
+NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::span<const std::uint32_t> ranks,
+                               std::span<const std::uint8_t> drawn, std::uint32_t cache_size);
+
+}  // namespace pellucid

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "cleaned.h"
@@ -24,7 +25,7 @@ struct MeasureCommandOptions {
   MeasureSettings settings;
   std::string distances = "2,5";
   std::int64_t primitive = -1;
-  std::string baselines = "base,cache_optimized,centroid_sort";
+  std::optional<std::string> baselines;
   bool no_baselines = false;
   std::string report;
 };
@@ -191,11 +192,7 @@ std::string command_line(const MeasureCommandOptions& options) {
   for (const std::string& input : options.inputs) line += " " + input;
   if (!options.original.empty()) line += " --original " + options.original;
   if (options.simplify > 0) line += fmt::format(" --simplify {}", options.simplify);
-  if (options.no_baselines) {
-    line += " --no-baselines";
-  } else {
-    line += " --baselines " + options.baselines;
-  }
+  if (options.baselines) line += " --baselines " + *options.baselines;
   const MeasureSettings& s = options.settings;
   return line + fmt::format(" --views {} --size {} --distances {} --seed {} --cache {} --alpha {}",
                             s.viewpoints, s.size, options.distances, s.seed, s.cache_size, s.alpha);
@@ -243,7 +240,8 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   const auto start = std::chrono::steady_clock::now();
   parse_distance_range(options.distances, options.settings);
   options.settings.seed = session.options().seed;
-  options.settings.baselines = parse_baselines(options.no_baselines ? "none" : options.baselines);
+  if (options.no_baselines) options.baselines = "none";
+  if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
   std::vector<Input> inputs = read_inputs(options);
   std::optional<Input> original;
   if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);
@@ -332,9 +330,9 @@ void add_measure_command(CLI::App& app, Chosen& chosen) {
   CLI::Option* baselines =
       command
           ->add_option("--baselines", o.baselines,
-                       "Rivals: all, none, or of base,cache_optimized,centroid_sort,bsp,dptl (takes minutes)")
-          ->type_name("LIST")
-          ->capture_default_str();
+                       "Rivals: all, none, or of base,cache_optimized,centroid_sort,dptl,bsp "
+                       "(default: the first three)")
+          ->type_name("LIST");
   command->add_flag("--no-baselines", o.no_baselines, "Measure the order sets only")->excludes(baselines);
   command->add_option("--report", o.report, "Write one self-contained HTML page")->type_name("FILE");
 }

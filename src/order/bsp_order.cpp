@@ -35,7 +35,8 @@ enum class Side { front, back, in_plane, across };
 
 class BspBuilder {
  public:
-  BspBuilder(const Mesh& mesh, const BspOptions& options) : mesh_(mesh), options_(options), random_(options.seed) {
+  BspBuilder(const Mesh& mesh, const BspOptions& options)
+      : mesh_(mesh), options_(options), random_(options.seed) {
     sphere_ = bounding_sphere(mesh);
     const double scale = sphere_.radius > 0 ? 1 / sphere_.radius : 1;
     points_.reserve(mesh.positions.size());
@@ -63,7 +64,8 @@ class BspBuilder {
       tree_.complete = false;
       return std::move(tree_);
     }
-    for (const Vec3d& p : points_) tree_.mesh.positions.push_back(to_float(p * sphere_.radius + sphere_.center));
+    for (const Vec3d& p : points_)
+      tree_.mesh.positions.push_back(to_float(p * sphere_.radius + sphere_.center));
     std::copy(mesh_.positions.begin(), mesh_.positions.end(), tree_.mesh.positions.begin());
     return std::move(tree_);
   }
@@ -78,8 +80,7 @@ class BspBuilder {
   // Through the points of the input, so that pieces keep the plane of their source.
   [[nodiscard]] PlaneD plane_of(std::uint32_t triangle) const {
     const Triangle& t = mesh_.triangles[triangle];
-    const Vec3d normal =
-        normalized(cross(points_[t[1]] - points_[t[0]], points_[t[2]] - points_[t[0]]));
+    const Vec3d normal = normalized(cross(points_[t[1]] - points_[t[0]], points_[t[2]] - points_[t[0]]));
     return {normal, dot(normal, points_[t[0]] + points_[t[1]] + points_[t[2]]) / 3};
   }
 
@@ -235,9 +236,9 @@ BspTree build_bsp(const Mesh& mesh, const BspOptions& options) {
 }
 
 void walk_bsp(const BspTree& tree, const Eye& eye, std::vector<std::uint32_t>& pieces) {
-  pieces.clear();
+  pieces.resize(tree.mesh.triangles.size());
   if (tree.nodes.empty()) return;
-  pieces.reserve(tree.mesh.triangles.size());
+  std::uint32_t* next = pieces.data();
   // A node comes twice: first to be opened, then, after its near side, to be drawn.
   struct Visit {
     std::uint32_t node;
@@ -249,7 +250,7 @@ void walk_bsp(const BspTree& tree, const Eye& eye, std::vector<std::uint32_t>& p
     stack.pop_back();
     const BspNode& node = tree.nodes[visit.node];
     if (visit.draw) {
-      for (std::uint32_t i = 0; i < node.count; ++i) pieces.push_back(node.first + i);
+      for (std::uint32_t i = 0; i < node.count; ++i) *next++ = node.first + i;
       continue;
     }
     const bool in_front = side_of(node.plane, eye) >= 0;

@@ -1,9 +1,9 @@
 // Depth-presorted triangle lists for all view regions, and their run time: see pellucid/order.h.
 //
-// After: Chen, Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as far as Han et
-// al., "In-Depth Buffers", 2018, sections 1 and 7, tell of it: view regions, one list for each that merges all
-// orders, copies of triangles with plane tests, facing duplicates, one plane stored per entry of a list, vertex
-// cache optimisation under the partial order. Assumed where that text is silent:
+// After: Chen, Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as far as Han
+// et al., "In-Depth Buffers", 2018, sections 1 and 7, tell of it: view regions, one list for each that merges
+// all orders, copies of triangles with plane tests, facing duplicates, one plane stored per entry of a list,
+// vertex cache optimisation under the partial order. Assumed where that text is silent:
 //   - regions: view cells by the nearest of k directions spread evenly over the sphere;
 //   - occlusions: found exactly at the samples of the view partition, as for in-depth buffers, where the
 //     original reasons about whole regions of space;
@@ -144,19 +144,22 @@ class ListBuilder {
   [[nodiscard]] std::vector<std::uint8_t> visible_nodes(const std::vector<std::uint32_t>& cells) const {
     const ValidRange range = valid_range(distances_);
     std::vector<std::uint8_t> visible(2 * mesh_.triangles.size(), 0);
-    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh_.triangles.size()), [&](std::uint32_t t) {
-      const Vec3d normal = triangle_normal(mesh_, t);
-      const double offset = dot(normal, to_double(mesh_.positions[mesh_.triangles[t][0]]) - sphere_.center);
-      for (const std::uint32_t cell : cells) {
-        const auto sees = [&](double sign) {
-          return front_visible(partition_, cell, normal * sign, sign * offset, sphere_.radius, range.from, range.to);
-        };
-        if (visible[node_of(t, false)] == 0 && sees(1)) visible[node_of(t, false)] = 1;
-        if (options_.facing == Facing::duplicated && visible[node_of(t, true)] == 0 && sees(-1)) {
-          visible[node_of(t, true)] = 1;
-        }
-      }
-    });
+    tbb::parallel_for(
+        std::uint32_t{0}, static_cast<std::uint32_t>(mesh_.triangles.size()), [&](std::uint32_t t) {
+          const Vec3d normal = triangle_normal(mesh_, t);
+          const double offset =
+              dot(normal, to_double(mesh_.positions[mesh_.triangles[t][0]]) - sphere_.center);
+          for (const std::uint32_t cell : cells) {
+            const auto sees = [&](double sign) {
+              return front_visible(partition_, cell, normal * sign, sign * offset, sphere_.radius, range.from,
+                                   range.to);
+            };
+            if (visible[node_of(t, false)] == 0 && sees(1)) visible[node_of(t, false)] = 1;
+            if (options_.facing == Facing::duplicated && visible[node_of(t, true)] == 0 && sees(-1)) {
+              visible[node_of(t, true)] = 1;
+            }
+          }
+        });
     return visible;
   }
 

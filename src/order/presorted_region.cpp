@@ -141,7 +141,8 @@ class RegionPresorter {
     std::vector<EdgeRows> parts((copies_.size() + kRowsPerBlock - 1) / kRowsPerBlock);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t block) {
       const std::size_t end = std::min((block + 1) * kRowsPerBlock, copies_.size());
-      for (std::size_t copy = block * kRowsPerBlock; copy < end; ++copy) append_row(copies_[copy], parts[block]);
+      for (std::size_t copy = block * kRowsPerBlock; copy < end; ++copy)
+        append_row(copies_[copy], parts[block]);
     });
     EdgeRows rows;
     rows.offsets.push_back(0);
@@ -197,9 +198,8 @@ class RegionPresorter {
     for (std::uint32_t copy = 0; copy < copies_.size(); ++copy) {
       if (!against[copy].empty() && hopeless_[copy] == 0) candidates.push_back(copy);
     }
-    std::stable_sort(candidates.begin(), candidates.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return against[a].size() > against[b].size();
-    });
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return against[a].size() > against[b].size(); });
     std::vector<std::uint8_t> covered(copies_.size(), 0);
     std::vector<std::uint32_t> chosen;
     for (const std::uint32_t copy : candidates) {
@@ -215,7 +215,8 @@ class RegionPresorter {
   // Find the best plane of every chosen copy, with all others where they are, then make the splits that help.
   void split_copies(std::span<const std::uint32_t> chosen) {
     std::vector<std::optional<Split>> splits(chosen.size());
-    tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) { splits[i] = best_split(chosen[i]); });
+    tbb::parallel_for(std::size_t{0}, chosen.size(),
+                      [&](std::size_t i) { splits[i] = best_split(chosen[i]); });
     std::vector<double> positions(ranks_.begin(), ranks_.end());
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       if (splits[i]) {
@@ -369,7 +370,8 @@ class RegionPresorter {
     for (const auto& t : corners) add(t[0], t[1], t[2]);
     for (std::size_t side = 0; side < 2; ++side) {
       for (std::size_t k = 0; k < 3; ++k) {
-        for (const Vec3d& corner : corners[1 - side]) add(corners[side][k], corners[side][(k + 1) % 3], corner);
+        for (const Vec3d& corner : corners[1 - side])
+          add(corners[side][k], corners[side][(k + 1) % 3], corner);
       }
     }
     return planes;
@@ -404,10 +406,9 @@ class RegionPresorter {
     for (const std::uint32_t back : edges.backs) rows.backs.push_back(node_of(back, false));
     rows.weights = edges.weights;
     std::vector<std::uint32_t> sequence =
-        problem_.cache_size == 0
-            ? rank_sequence(ranks, drawn)
-            : cache_aware_sequence(mesh, agreeing_edges(rows, ranks, drawn, 0), ranks, drawn,
-                                   problem_.cache_size);
+        problem_.cache_size == 0 ? rank_sequence(ranks, drawn)
+                                 : cache_aware_sequence(mesh, agreeing_edges(rows, ranks, drawn, 0), ranks,
+                                                        drawn, problem_.cache_size);
     for (std::uint32_t& entry : sequence) entry = triangle_of(entry);
     return sequence;
   }
@@ -456,7 +457,8 @@ RegionEdges collect_edges(std::span<const ViewpointEdges* const> views, std::siz
         const ViewpointEdges& view = *views[v];
         if (view.front_flipped[t] != node % 2) continue;
         for (std::uint32_t i = view.offsets[t]; i < view.offsets[t + 1]; ++i) {
-          if (view.areas[i] < least_area || hides_more_of(view, view.backs[i], static_cast<NodeId>(node), i)) continue;
+          if (view.areas[i] < least_area || hides_more_of(view, view.backs[i], static_cast<NodeId>(node), i))
+            continue;
           row.emplace_back(view.backs[i], v);
         }
       }

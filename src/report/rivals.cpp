@@ -137,9 +137,9 @@ std::optional<Contender> presorted_lists(const Mesh& mesh, const PresortedOption
   const auto lists = std::make_shared<const PresortedLists>(build_presorted_lists(mesh, options));
   const double build_seconds = watch.seconds();
   if (!lists->complete) {
-    notes.push_back(fmt::format(
-        "dptl: left out: a region needs more than {} occlusions or {} copies in its list",
-        format_count(options.max_edges), format_count(options.max_copies)));
+    notes.push_back(
+        fmt::format("dptl: left out: a region needs more than {} occlusions or {} copies in its list",
+                    format_count(options.max_edges), format_count(options.max_copies)));
     return std::nullopt;
   }
   std::vector<NodeSequence> sequences;
@@ -159,13 +159,15 @@ std::optional<Contender> presorted_lists(const Mesh& mesh, const PresortedOption
   const std::span<const Viewpoint> counted = sampled(viewpoints);
   for (const Viewpoint& view : counted) {
     const PresortedList& list = select_list(*lists, view.direction);
-    report.triangles_submitted += static_cast<double>(list.nodes.size()) / static_cast<double>(counted.size());
+    report.triangles_submitted +=
+        static_cast<double>(list.nodes.size()) / static_cast<double>(counted.size());
     report.plane_tests += static_cast<double>(list.tests.size()) / static_cast<double>(counted.size());
   }
   const Mesh* drawn = &mesh;
   contender.method = {"dptl", [drawn, lists](const Viewpoint& view) {
                         NodeSequence nodes;
-                        walk_list(*lists, select_list(*lists, view.direction), eye_of(lists->sphere, view), nodes);
+                        walk_list(*lists, select_list(*lists, view.direction), eye_of(lists->sphere, view),
+                                  nodes);
                         return ranks_of(nodes, drawn->triangles.size());
                       }};
   contender.frame_work = [drawn, lists, buffer = FrameBuffer{}](const Viewpoint& view) mutable {

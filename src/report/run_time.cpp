@@ -53,7 +53,8 @@ std::shared_ptr<const SelectionTable> selection_table(const OrderSet& set) {
 
 std::uint64_t cell_table_bytes(const PartitionSpec& partition, std::size_t orders) {
   const std::uint64_t triangles = pellucid_triangle_count(partition.level);
-  const std::uint64_t entries = partition.kind == PartitionKind::sampled_triangles ? triangles : 3 * triangles;
+  const std::uint64_t entries =
+      partition.kind == PartitionKind::sampled_triangles ? triangles : 3 * triangles;
   return entries * (orders <= 255 ? 1 : orders <= 65535 ? 2 : 4);
 }
 

@@ -67,7 +67,8 @@ TEST(BspOrder, AlongRandomRaysNearerPiecesComeFirst) {
         const Vec3d direction = normalized(target - eye.at);
         std::vector<std::pair<double, std::uint32_t>> hits;
         for (std::uint32_t t = 0; t < tree.mesh.triangles.size(); ++t) {
-          if (const auto at = hit(tree.mesh, tree.mesh.triangles[t], eye.at, direction)) hits.push_back({*at, t});
+          if (const auto at = hit(tree.mesh, tree.mesh.triangles[t], eye.at, direction))
+            hits.push_back({*at, t});
         }
         std::sort(hits.begin(), hits.end());
         for (std::size_t i = 1; i < hits.size(); ++i) {
@@ -99,9 +100,9 @@ TEST(BspOrder, IsTheOrderOfTheRaster) {
     walked.foreground += of_walk.foreground;
     walked.incorrect += of_walk.incorrect;
     rasterize(mesh, look_at_sphere(sphere, view, 256, 256), {}, fragments);
-    sorted.incorrect +=
-        count_incorrect_pixels(fragments, ranks_of(centroid_sorted(mesh, sphere, view), mesh.triangles.size()))
-            .incorrect;
+    sorted.incorrect += count_incorrect_pixels(
+                            fragments, ranks_of(centroid_sorted(mesh, sphere, view), mesh.triangles.size()))
+                            .incorrect;
   }
   // Vertices snap to 1/256 pixel, so that pieces can overlap by a sliver where they meet.
   EXPECT_GT(walked.foreground, 100000U);

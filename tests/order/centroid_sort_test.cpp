@@ -42,7 +42,8 @@ TEST(CentroidSort, IsThePlainSortUpToRounding) {
         Vec3d centroid{};
         for (const std::uint32_t v : mesh.triangles[t]) centroid += to_double(mesh.positions[v]) / 3.0;
         // Rounded are the centroid and the camera, relative to the sphere, and the squared distance.
-        const double distance = eye.w == 0 ? -dot(centroid - sphere.center, eye.at) : length(eye.at - centroid);
+        const double distance =
+            eye.w == 0 ? -dot(centroid - sphere.center, eye.at) : length(eye.at - centroid);
         EXPECT_GT(distance, before - 2e-6 * (1 + std::fabs(distance)));
         before = distance;
       }

@@ -123,7 +123,7 @@ class RegionPresorter {
             static_cast<std::size_t>(edges.view_offsets[edge + 1] - edges.view_offsets[edge])};
   }
 
-  [[nodiscard]] static bool drawn_from(const Copy& copy, std::uint16_t view) {
+  [[nodiscard]] static bool drawn_from(const Copy& copy, std::size_t view) {
     return copy.everywhere || copy.active.contains(view);
   }
 
@@ -233,7 +233,7 @@ class RegionPresorter {
     planes_.push_back(split.plane);
     Copy behind{copies_[split.copy].node, false, ViewSet(problem_.eyes.size()), copies_[split.copy].tests};
     ViewSet front(problem_.eyes.size());
-    for (std::uint16_t view = 0; view < problem_.eyes.size(); ++view) {
+    for (std::size_t view = 0; view < problem_.eyes.size(); ++view) {
       if (!drawn_from(copies_[split.copy], view)) continue;
       (side_of(split.plane, problem_.eyes[view]) >= 0 ? front : behind.active).insert(view);
     }
@@ -342,7 +342,7 @@ class RegionPresorter {
   [[nodiscard]] bool divide(const Copy& copy, const Plane& plane, ViewSet& front) const {
     front = ViewSet(problem_.eyes.size());
     bool any_behind = false;
-    for (std::uint16_t view = 0; view < problem_.eyes.size(); ++view) {
+    for (std::size_t view = 0; view < problem_.eyes.size(); ++view) {
       if (!drawn_from(copy, view)) continue;
       if (side_of(plane, problem_.eyes[view]) >= 0) {
         front.insert(view);
@@ -453,13 +453,13 @@ RegionEdges collect_edges(std::span<const ViewpointEdges* const> views, std::siz
     for (std::size_t node = block * kRowsPerBlock; node < end; ++node) {
       const std::size_t t = node / 2;
       row.clear();
-      for (std::uint16_t v = 0; v < views.size(); ++v) {
+      for (std::size_t v = 0; v < views.size(); ++v) {
         const ViewpointEdges& view = *views[v];
         if (view.front_flipped[t] != node % 2) continue;
         for (std::uint32_t i = view.offsets[t]; i < view.offsets[t + 1]; ++i) {
           if (view.areas[i] < least_area || hides_more_of(view, view.backs[i], static_cast<NodeId>(node), i))
             continue;
-          row.emplace_back(view.backs[i], v);
+          row.emplace_back(view.backs[i], static_cast<std::uint16_t>(v));
         }
       }
       std::sort(row.begin(), row.end());

@@ -248,9 +248,10 @@ struct PresortedOptions {
   std::uint32_t regions = 6;      // 1 .. number of cells
   std::vector<double> distances;  // as in OrderOptions
   Facing facing = Facing::duplicated;
-  std::uint32_t cache_size = 20;          // FIFO size that lists are optimised for; 0: leave them alone
-  std::uint64_t max_copies = 2'000'000;   // of one list
-  std::uint64_t max_edges = 400'000'000;  // occlusions of one region, counted once per viewpoint
+  std::uint32_t cache_size = 20;         // FIFO size that lists are optimised for; 0: leave them alone
+  std::uint64_t max_copies = 2'000'000;  // of one list
+  // Occlusions of one region, counted once per viewpoint; each takes about 35 bytes while its list is made.
+  std::uint64_t max_edges = 150'000'000;
   Progress* progress = nullptr;
 };
 PresortedLists build_presorted_lists(const Mesh& mesh, const PresortedOptions& options);

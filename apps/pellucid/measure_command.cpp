@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "cleaned.h"
@@ -24,6 +25,7 @@ struct MeasureCommandOptions {
   MeasureSettings settings;
   std::string distances = "2,5";
   std::int64_t primitive = -1;
+  std::optional<std::string> baselines;
   bool no_baselines = false;
   std::string report;
 };
@@ -66,7 +68,7 @@ Input read_input(const std::string& path, const std::string& label, bool want_or
 // File stems, made different where they are the same.
 std::vector<std::string> labels_of(const std::vector<std::string>& paths) {
   std::vector<std::string> labels;
-  std::set<std::string> used{"original", "base", "cache_optimized", "centroid_sort"};
+  std::set<std::string> used(baseline_names().begin(), baseline_names().end());
   for (const std::string& path : paths) {
     const std::string stem = std::filesystem::path(path).stem().string();
     std::string label = stem;
@@ -190,6 +192,7 @@ std::string command_line(const MeasureCommandOptions& options) {
   for (const std::string& input : options.inputs) line += " " + input;
   if (!options.original.empty()) line += " --original " + options.original;
   if (options.simplify > 0) line += fmt::format(" --simplify {}", options.simplify);
+  if (options.baselines) line += " --baselines " + *options.baselines;
   const MeasureSettings& s = options.settings;
   return line + fmt::format(" --views {} --size {} --distances {} --seed {} --cache {} --alpha {}",
                             s.viewpoints, s.size, options.distances, s.seed, s.cache_size, s.alpha);
@@ -237,7 +240,8 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   const auto start = std::chrono::steady_clock::now();
   parse_distance_range(options.distances, options.settings);
   options.settings.seed = session.options().seed;
-  options.settings.baselines = !options.no_baselines;
+  if (options.no_baselines) options.baselines = "none";
+  if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
   std::vector<Input> inputs = read_inputs(options);
   std::optional<Input> original;
   if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);
@@ -291,7 +295,8 @@ void add_measure_command(CLI::App& app, Chosen& chosen) {
       add_command(app, chosen, "measure", "ACMR, ATVR, overdraw, IPR and PSNR against exact truth",
                   "  pellucid measure bunny.glb --original bunny.ply\n"
                   "  pellucid measure budget.glb acyclic.glb --views 200 --size 512 --json both.json\n"
-                  "  pellucid measure bunny.glb --original bunny.ply --simplify 10000 --report report.html",
+                  "  pellucid measure bunny.glb --original bunny.ply --simplify 10000 --report report.html\n"
+                  "  pellucid measure bunny.glb --baselines all --views 100",
                   o.settings.seed, [options](Session& session) { run_measure(*options, session); });
   command->add_option("FILE", o.inputs, "Files with orders; several: of the same model, side by side")
       ->required()
@@ -322,7 +327,13 @@ void add_measure_command(CLI::App& app, Chosen& chosen) {
   command->add_option("--primitive", o.primitive, "Only the N-th of the primitives that have orders (from 0)")
       ->check(CLI::Range(0, 1 << 24))
       ->type_name("N");
-  command->add_flag("--no-baselines", o.no_baselines, "Measure the order sets only");
+  CLI::Option* baselines =
+      command
+          ->add_option("--baselines", o.baselines,
+                       "Rivals: all, none, or of base,cache_optimized,centroid_sort,dptl,bsp "
+                       "(default: the first three)")
+          ->type_name("LIST");
+  command->add_flag("--no-baselines", o.no_baselines, "Measure the order sets only")->excludes(baselines);
   command->add_option("--report", o.report, "Write one self-contained HTML page")->type_name("FILE");
 }
 

@@ -111,7 +111,6 @@ struct MethodQuality {
   double psnr_mean = 0, psnr_min = 0;  // dB over foreground pixels, frames without error count as 100 dB
   std::vector<DistanceError> by_distance;
   std::vector<FrameError> frames;  // one per viewpoint, in their order
-  double seconds_per_frame = 0;    // cost of `ranks` where it is per-frame work (sorting), CPU seconds
 };
 
 struct MeasureOptions {

@@ -169,4 +169,101 @@ std::vector<std::uint32_t> index_buffer(const Mesh& mesh, std::span<const NodeId
 // that the camera sees. What a viewer does per frame on the CPU.
 NodeSequence centroid_sorted(const Mesh& mesh, const BoundingSphere& sphere, const Viewpoint& viewpoint);
 
+// -------------------------------------------------------------- rivals: exact orders that cost run-time work
+//
+// What programs do without in-depth buffers, built well, to be measured beside them (docs/baselines.md).
+
+// Where the camera stands in object space: w = 1 a point, w = 0 infinitely far in a direction.
+struct Eye {
+  Vec3d at;
+  double w = 1;
+};
+Eye eye_of(const BoundingSphere& sphere, const Viewpoint& viewpoint);
+
+// All triangles sorted by the distance of their centroid in every frame: radix sort on 32-bit keys.
+class CentroidSort {
+ public:
+  CentroidSort(const Mesh& mesh, const BoundingSphere& sphere);
+  struct Scratch {
+    std::vector<std::uint64_t> keyed, swapped;  // key and triangle
+  };
+  // Triangles front to back, equal distances in file order. O(triangles).
+  void sort(const Eye& eye, Scratch& scratch, std::vector<std::uint32_t>& triangles) const;
+  [[nodiscard]] std::uint64_t memory_bytes() const { return centroids_.size() * sizeof(Vec3f); }
+
+ private:
+  Vec3d center_;
+  std::vector<Vec3f> centroids_;  // relative to the centre
+};
+
+// A plane as a renderer stores it: dot(normal, point) = offset.
+struct Plane {
+  Vec3f normal;
+  float offset = 0;
+};
+// > 0 in front of the plane.
+inline double side_of(const Plane& plane, const Eye& eye) {
+  return dot(to_double(plane.normal), eye.at) - static_cast<double>(plane.offset) * eye.w;
+}
+
+// A binary space partition by planes of the triangles themselves; triangles that a plane crosses are split.
+// Fuchs, Kedem, Naylor, "On Visible Surface Generation by A Priori Tree Structures", SIGGRAPH 1980.
+struct BspNode {
+  Plane plane;
+  std::uint32_t front = 0, back = 0;   // children; 0, the root: none
+  std::uint32_t first = 0, count = 0;  // triangles of BspTree::mesh that lie in the plane
+};
+struct BspTree {
+  Mesh mesh;                          // the pieces as triangles; vertices of the input first, no normals
+  std::vector<std::uint32_t> source;  // per piece: the triangle of the input that it is a part of
+  std::vector<BspNode> nodes;         // 0 is the root
+  std::uint64_t splits = 0;           // times that a piece was cut in two
+  bool complete = true;               // false: max_pieces was met, the tree is empty
+};
+struct BspOptions {
+  std::uint64_t max_pieces = 5'000'000;
+  std::uint64_t seed = 1;
+  Progress* progress = nullptr;
+};
+// Expected O(n log n) for n pieces, O(n^2) where the mesh is convex. Deterministic.
+BspTree build_bsp(const Mesh& mesh, const BspOptions& options);
+// The pieces front to back for any eye, also inside the hull. O(pieces).
+void walk_bsp(const BspTree& tree, const Eye& eye, std::vector<std::uint32_t>& pieces);
+
+// Depth-presorted triangle lists after Chen, Sander, Nehab, Yang, Hu, 2012, as Han et al. 2018 describe them:
+// for every region of view directions one list that merges the orders of all its viewpoints. A node may be in
+// it several times; plane tests see to it that exactly one of these copies is drawn. See docs/baselines.md
+// for what the text leaves open and what was assumed.
+struct PresortedList {
+  std::vector<NodeId> nodes;                // one per copy, front to back
+  std::vector<std::uint32_t> test_offsets;  // copies + 1, into tests
+  // 2 * plane: the viewpoint must be in front of it or on it; 2 * plane + 1: behind.
+  std::vector<std::uint32_t> tests;
+};
+struct PresortedLists {
+  PartitionSpec partition;
+  BoundingSphere sphere;
+  std::vector<PresortedList> lists;
+  std::vector<std::uint32_t> cell_lists;  // per view cell: index into lists
+  std::vector<Plane> planes;
+  std::uint64_t violated_edges = 0;  // occlusions that no plane could put right
+  bool complete = true;              // false: a limit below was met, there are no lists
+};
+struct PresortedOptions {
+  PartitionSpec partition{};      // the viewpoints that the lists are right for are its samples
+  std::uint32_t regions = 6;      // 1 .. number of cells
+  std::vector<double> distances;  // as in OrderOptions
+  Facing facing = Facing::duplicated;
+  std::uint32_t cache_size = 20;         // FIFO size that lists are optimised for; 0: leave them alone
+  std::uint64_t max_copies = 2'000'000;  // of one list
+  // Occlusions of one region, counted once per viewpoint; each takes about 35 bytes while its list is made.
+  std::uint64_t max_edges = 150'000'000;
+  Progress* progress = nullptr;
+};
+PresortedLists build_presorted_lists(const Mesh& mesh, const PresortedOptions& options);
+// The list for a viewpoint; what a renderer walks.
+const PresortedList& select_list(const PresortedLists& lists, const Vec3d& direction);
+// The copies that pass their tests, in the list's order. O(list).
+void walk_list(const PresortedLists& lists, const PresortedList& list, const Eye& eye, NodeSequence& nodes);
+
 }  // namespace pellucid

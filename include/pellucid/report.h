@@ -28,6 +28,7 @@ std::string_view library_version();
 std::string format_count(std::uint64_t count);       // 12,345
 std::string format_bytes(std::uint64_t bytes);       // 12.3 KB (1 KB = 1000 bytes)
 std::string format_seconds(double seconds);          // 0.042 s, 12.3 s, 4 min 05 s
+std::string format_nanoseconds(double time);         // 87 ns, 12.3 us, 4.56 ms
 std::string format_fixed(double value, int digits);  // "-" where the value is not finite
 std::string format_percent(double ratio);            // 0.0123 -> 1.23 %
 
@@ -98,6 +99,17 @@ struct MeasureSubject {
   const OrderSet* orders = nullptr;  // nodes refer to `mesh`
 };
 
+// Rivals to measure beside the order sets.
+struct Baselines {
+  bool base = true, cache_optimized = true, centroid_sort = true;
+  bool bsp = false, dptl = false;  // take time and memory to build
+};
+// "all", "none", or names with commas: "base,cache_optimized,centroid_sort,bsp,dptl". Throws
+// Error{bad_argument}.
+Baselines parse_baselines(const std::string& text);
+// Names that methods of any choice may have.
+std::span<const std::string_view> baseline_names();
+
 struct MeasureSettings {
   std::uint32_t viewpoints = 900;
   double min_distance = 2, max_distance = 5;
@@ -105,7 +117,7 @@ struct MeasureSettings {
   std::uint64_t seed = 20180501;
   std::uint32_t cache_size = 20;
   double alpha = 0.5;
-  bool baselines = true;
+  Baselines baselines{};
 };
 
 enum class MethodKind { orders, baseline };
@@ -113,8 +125,14 @@ enum class MethodKind { orders, baseline };
 struct MethodReport {
   MethodKind kind = MethodKind::orders;
   std::uint32_t buffers = 1;
-  std::uint64_t memory_bytes = 0;  // index data when drawn
-  BufferStatistics fifo;           // all buffers pooled
+  std::uint64_t memory_bytes = 0;     // index data when drawn
+  std::uint64_t auxiliary_bytes = 0;  // what else it needs: tables, planes, trees, centroids, new vertices
+  double build_seconds = -1;          // wall time of making it in this run; < 0: nothing was made
+  double nanoseconds_per_frame = 0;   // CPU work before a frame can be drawn
+  double triangles_submitted = 0;     // per frame, facing twins counted
+  double plane_tests = 0;             // per frame
+  std::uint64_t splits = 0;           // triangles and pieces that were cut in two
+  BufferStatistics fifo;              // all buffers pooled
   double acmr_lru = 0;
   double atvr = 0;
   double overdraw = 0;
@@ -125,6 +143,7 @@ struct PrimitiveMeasureReport {
   std::string name;
   std::uint64_t triangles = 0, vertices = 0;
   std::vector<MethodReport> methods;  // the order sets first, then the baselines
+  std::vector<std::string> notes;     // what was asked for and left out, and why
 };
 
 struct MeasureReport {
@@ -138,8 +157,8 @@ struct MeasureReport {
 // Measure every subject that has orders, and beside them the rivals of the first subject's mesh: `original`
 // (the triangle order of `original`, drawn as viewers draw it: later triangles over earlier ones; null: left
 // out), `base` (the best single order of the set), `cache_optimized` (meshoptimizer's unconstrained vertex
-// cache order) and `centroid_sort` (sorted for every frame, its time counted). The first subject decides the
-// facing.
+// cache order), `centroid_sort` (sorted for every frame), `bsp` (walk of a binary space partition) and `dptl`
+// (depth-presorted triangle lists). The first subject decides the facing.
 PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects, const Mesh* original,
                                         const std::string& name, const MeasureSettings& settings,
                                         Progress* progress);

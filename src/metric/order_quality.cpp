@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "pellucid/metric.h"
 
@@ -19,12 +18,6 @@ double psnr_of(const FrameError& frame) {
   if (frame.squared_error <= 0) return kPerfectPsnr;
   const double mean = frame.squared_error / (3 * static_cast<double>(frame.foreground));
   return std::min(kPerfectPsnr, -10 * std::log10(mean));
-}
-
-double thread_cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 // Means over the frames whose viewpoint lies in each of equal ranges of distance; empty ranges are left out.
@@ -80,7 +73,6 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
   if (shaded.normals.size() != shaded.positions.size()) shaded.normals = vertex_normals(mesh);
 
   std::vector<MethodQuality> qualities(methods.size());
-  std::vector<std::vector<double>> seconds(methods.size(), std::vector<double>(viewpoints.size(), 0));
   for (std::size_t m = 0; m < methods.size(); ++m) {
     qualities[m].name = methods[m].name;
     qualities[m].frames.resize(viewpoints.size());
@@ -95,20 +87,14 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
     rasterize(shaded, camera, raster, buffer);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       std::vector<std::uint32_t> ranks;
-      const double start = thread_cpu_seconds();
       // Isolated: parallel work in there must not begin another frame on this thread's buffer.
       tbb::this_task_arena::isolate([&] { ranks = methods[m].ranks(viewpoints[i]); });
-      seconds[m][i] = thread_cpu_seconds() - start;
       qualities[m].frames[i] = frame_error(shaded, camera, buffer, ranks, options.shading);
     }
     advance_stage(options.progress, 1);
   });
 
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    summarize(qualities[m], viewpoints, options);
-    for (const double s : seconds[m])
-      qualities[m].seconds_per_frame += s / static_cast<double>(viewpoints.size());
-  }
+  for (MethodQuality& quality : qualities) summarize(quality, viewpoints, options);
   return qualities;
 }
 

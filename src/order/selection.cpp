@@ -1,7 +1,5 @@
-// What a renderer does with an order set, and the baselines beside it: see pellucid/order.h.
+// What a renderer does with an order set: see pellucid/order.h.
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "pellucid/order.h"
 #include "pellucid/runtime/select.h"
@@ -56,34 +54,6 @@ std::vector<std::uint32_t> index_buffer(const Mesh& mesh, std::span<const NodeId
     for (const std::uint32_t corner : corners_of(mesh, node)) indices.push_back(corner);
   }
   return indices;
-}
-
-NodeSequence centroid_sorted(const Mesh& mesh, const BoundingSphere& sphere, const Viewpoint& viewpoint) {
-  const bool orthographic = std::isinf(viewpoint.distance);
-  const Vec3d eye =
-      orthographic ? Vec3d{} : sphere.center + viewpoint.direction * (viewpoint.distance * sphere.radius);
-  struct Keyed {
-    double distance;
-    NodeId node;
-  };
-  std::vector<Keyed> keyed;
-  keyed.reserve(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3d a = to_double(mesh.positions[mesh.triangles[t][0]]);
-    const Vec3d b = to_double(mesh.positions[mesh.triangles[t][1]]);
-    const Vec3d c = to_double(mesh.positions[mesh.triangles[t][2]]);
-    const Vec3d centroid = (a + b + c) / 3.0;
-    const Vec3d to_eye = orthographic ? viewpoint.direction : eye - centroid;
-    const bool flipped = dot(cross(b - a, c - a), to_eye) < 0;
-    const double distance = orthographic ? -dot(centroid, viewpoint.direction) : dot(to_eye, to_eye);
-    keyed.push_back({distance, node_of(t, flipped)});
-  }
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& p, const Keyed& q) {
-    return p.distance != q.distance ? p.distance < q.distance : p.node < q.node;
-  });
-  NodeSequence sequence(keyed.size());
-  std::transform(keyed.begin(), keyed.end(), sequence.begin(), [](const Keyed& k) { return k.node; });
-  return sequence;
 }
 
 }  // namespace pellucid

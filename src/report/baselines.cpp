@@ -2,10 +2,13 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <numeric>
 
+#include "contender.h"
 #include "pellucid/report.h"
 
 namespace pellucid {
@@ -13,15 +16,6 @@ namespace {
 
 // Enough directions for a mean over the sphere; overdraw hardly varies with more.
 constexpr std::uint32_t kMostOverdrawViewpoints = 100;
-// A sorted order is a new one in each frame: its cache use is averaged over this many.
-constexpr std::size_t kSortedSequences = 16;
-
-NodeSequence front_nodes(std::span<const std::uint32_t> triangles) {
-  NodeSequence nodes(triangles.size());
-  std::transform(triangles.begin(), triangles.end(), nodes.begin(),
-                 [](std::uint32_t triangle) { return node_of(triangle, false); });
-  return nodes;
-}
 
 std::vector<std::uint32_t> stored_sequence(std::uint64_t triangle_count) {
   std::vector<std::uint32_t> sequence(triangle_count);
@@ -35,40 +29,6 @@ std::uint64_t used_vertices(std::span<const std::uint32_t> indices) {
   return static_cast<std::uint64_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
 }
 
-std::uint64_t bytes_of_indices(const Mesh& mesh, std::uint64_t triangles) {
-  // 65535 is the restart value of 16-bit indices.
-  return triangles * 3 * (mesh.positions.size() < 65535 ? 2 : 4);
-}
-
-// What all ways of drawing have in common: the sequences that they may draw.
-MethodReport cache_report(const Mesh& mesh, std::span<const NodeSequence> sequences, MethodKind kind,
-                          std::uint32_t cache_size) {
-  MethodReport report;
-  report.kind = kind;
-  report.buffers = static_cast<std::uint32_t>(sequences.size());
-  std::vector<BufferStatistics> fifo;
-  std::vector<BufferStatistics> lru;
-  std::uint64_t vertices = 0;
-  for (const NodeSequence& sequence : sequences) {
-    fifo.push_back(sequence_statistics(mesh, sequence, CacheModel::fifo, cache_size));
-    lru.push_back(sequence_statistics(mesh, sequence, CacheModel::lru, cache_size));
-    vertices += used_vertices(index_buffer(mesh, sequence));
-  }
-  report.fifo = pooled(fifo);
-  report.acmr_lru = pooled(lru).acmr;
-  report.atvr = vertices == 0 ? 0 : static_cast<double>(report.fifo.misses) / static_cast<double>(vertices);
-  report.memory_bytes = bytes_of_indices(mesh, report.fifo.triangles);
-  return report;
-}
-
-// One measured thing: how it is drawn, and the mesh that it refers to.
-struct Contender {
-  MethodReport report;
-  DrawingMethod method;
-  std::function<std::span<const NodeId>(const Viewpoint&)> sequence;  // for overdraw; empty: not counted
-  bool sorts_every_frame = false;  // else choosing an order costs nothing that counts
-};
-
 Contender single_sequence(const Mesh& mesh, const std::string& name, std::vector<std::uint32_t> triangles,
                           std::uint32_t cache_size) {
   auto ranks = std::make_shared<const std::vector<std::uint32_t>>(
@@ -76,9 +36,18 @@ Contender single_sequence(const Mesh& mesh, const std::string& name, std::vector
   auto nodes = std::make_shared<const NodeSequence>(front_nodes(triangles));
   Contender contender;
   contender.report = cache_report(mesh, std::span(nodes.get(), 1), MethodKind::baseline, cache_size);
+  contender.report.triangles_submitted = static_cast<double>(nodes->size());
   contender.method = {name, [ranks](const Viewpoint&) { return *ranks; }};
   contender.sequence = [nodes](const Viewpoint&) { return std::span<const NodeId>(*nodes); };
   return contender;
+}
+
+// Of the order of a view cell; cells cover about the same part of the sphere.
+double mean_length(const OrderSet& orders) {
+  double sum = 0;
+  for (const std::uint32_t order : orders.cell_orders)
+    sum += static_cast<double>(orders.orders[order].size());
+  return orders.cell_orders.empty() ? 0 : sum / static_cast<double>(orders.cell_orders.size());
 }
 
 Contender order_set(const MeasureSubject& subject, std::uint32_t cache_size) {
@@ -86,6 +55,9 @@ Contender order_set(const MeasureSubject& subject, std::uint32_t cache_size) {
   const OrderSet* orders = subject.orders;
   Contender contender;
   contender.report = cache_report(*mesh, orders->orders, MethodKind::orders, cache_size);
+  contender.report.auxiliary_bytes = cell_table_bytes(orders->partition, orders->orders.size());
+  contender.report.triangles_submitted = mean_length(*orders);
+  contender.frame_work = selection_work(*orders);
   contender.method = {subject.label,
                       [mesh, orders](const Viewpoint& view) { return ranks_from(*mesh, *orders, view); }};
   contender.sequence = [orders](const Viewpoint& view) {
@@ -94,22 +66,25 @@ Contender order_set(const MeasureSubject& subject, std::uint32_t cache_size) {
   return contender;
 }
 
-Contender centroid_sort(const Mesh& mesh, const BoundingSphere& sphere, std::span<const Viewpoint> viewpoints,
-                        std::uint32_t cache_size) {
-  Contender contender;
-  std::vector<NodeSequence> sequences;
-  for (const Viewpoint& view : viewpoints.first(std::min(viewpoints.size(), kSortedSequences))) {
-    sequences.push_back(centroid_sorted(mesh, sphere, view));
-  }
-  contender.report = cache_report(mesh, sequences, MethodKind::baseline, cache_size);
-  contender.report.buffers = 1;  // rewritten in every frame
-  contender.sorts_every_frame = true;
-  contender.report.memory_bytes = bytes_of_indices(mesh, mesh.triangles.size());
-  const Mesh* drawn = &mesh;
-  contender.method = {"centroid_sort", [drawn, sphere](const Viewpoint& view) {
-                        return ranks_of(centroid_sorted(*drawn, sphere, view), drawn->triangles.size());
-                      }};
+Contender cache_optimized(const Mesh& mesh, std::uint32_t cache_size) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::uint32_t> sequence = cache_optimized_sequence(mesh);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  Contender contender = single_sequence(mesh, "cache_optimized", std::move(sequence), cache_size);
+  contender.report.build_seconds = seconds;
   return contender;
+}
+
+// Presorted lists get the samples that the order set had, where its cells are triangles.
+PresortedOptions presorted_options(const OrderSet* orders, std::uint32_t cache_size, Progress* progress) {
+  PresortedOptions options;
+  if (orders != nullptr) {
+    options.facing = orders->facing;
+    if (orders->partition.kind == PartitionKind::sampled_triangles) options.partition = orders->partition;
+  }
+  options.cache_size = cache_size;
+  options.progress = progress;
+  return options;
 }
 
 // Quality and overdraw of contenders that share a mesh; every frame is rasterised once for all of them.
@@ -136,7 +111,7 @@ void measure_on(const Mesh& mesh, Facing facing, std::span<Contender> contenders
   for (std::size_t i = 0; i < contenders.size(); ++i) {
     stop_if_requested(progress);
     contenders[i].report.quality = std::move(qualities[i]);
-    if (!contenders[i].sorts_every_frame) contenders[i].report.quality.seconds_per_frame = 0;
+    contenders[i].report.nanoseconds_per_frame = nanoseconds_per_frame(contenders[i].frame_work, viewpoints);
     if (contenders[i].sequence) {
       contenders[i].report.overdraw =
           measure_overdraw(mesh, first, settings.size, contenders[i].sequence).overdraw;
@@ -150,6 +125,38 @@ void append_reports(std::vector<MethodReport>& reports, std::span<Contender> con
 }
 
 }  // namespace
+
+std::uint64_t bytes_of_indices(const Mesh& mesh, std::uint64_t triangles) {
+  // 65535 is the restart value of 16-bit indices.
+  return triangles * 3 * (mesh.positions.size() < 65535 ? 2 : 4);
+}
+
+NodeSequence front_nodes(std::span<const std::uint32_t> triangles) {
+  NodeSequence nodes(triangles.size());
+  std::transform(triangles.begin(), triangles.end(), nodes.begin(),
+                 [](std::uint32_t triangle) { return node_of(triangle, false); });
+  return nodes;
+}
+
+MethodReport cache_report(const Mesh& mesh, std::span<const NodeSequence> sequences, MethodKind kind,
+                          std::uint32_t cache_size) {
+  MethodReport report;
+  report.kind = kind;
+  report.buffers = static_cast<std::uint32_t>(sequences.size());
+  std::vector<BufferStatistics> fifo;
+  std::vector<BufferStatistics> lru;
+  std::uint64_t vertices = 0;
+  for (const NodeSequence& sequence : sequences) {
+    fifo.push_back(sequence_statistics(mesh, sequence, CacheModel::fifo, cache_size));
+    lru.push_back(sequence_statistics(mesh, sequence, CacheModel::lru, cache_size));
+    vertices += used_vertices(index_buffer(mesh, sequence));
+  }
+  report.fifo = pooled(fifo);
+  report.acmr_lru = pooled(lru).acmr;
+  report.atvr = vertices == 0 ? 0 : static_cast<double>(report.fifo.misses) / static_cast<double>(vertices);
+  report.memory_bytes = bytes_of_indices(mesh, report.fifo.triangles);
+  return report;
+}
 
 BufferStatistics sequence_statistics(const Mesh& mesh, std::span<const NodeId> sequence, CacheModel model,
                                      std::uint32_t cache_size) {
@@ -239,6 +246,36 @@ std::vector<std::uint32_t> cache_optimized_sequence(const Mesh& mesh) {
   return sequence;
 }
 
+std::span<const std::string_view> baseline_names() {
+  static constexpr std::array<std::string_view, 6> kNames{"original",      "base", "cache_optimized",
+                                                          "centroid_sort", "dptl", "bsp"};
+  return kNames;
+}
+
+Baselines parse_baselines(const std::string& text) {
+  if (text == "all") return {true, true, true, true, true};
+  Baselines chosen{false, false, false, false, false};
+  if (text == "none") return chosen;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string name = text.substr(begin, end - begin);
+    begin = end + 1;
+    bool* flag = name == "base"              ? &chosen.base
+                 : name == "cache_optimized" ? &chosen.cache_optimized
+                 : name == "centroid_sort"   ? &chosen.centroid_sort
+                 : name == "bsp"             ? &chosen.bsp
+                 : name == "dptl"            ? &chosen.dptl
+                                             : nullptr;
+    if (flag == nullptr) {
+      throw Error(ErrorKind::bad_argument, "baselines: '" + name +
+                                               "' is none of base, cache_optimized, centroid_sort, bsp, dptl "
+                                               "(or all, none for the whole list)");
+    }
+    *flag = true;
+  }
+  return chosen;
+}
+
 std::uint32_t overdraw_viewpoints(const MeasureSettings& settings) {
   return std::min(settings.viewpoints, kMostOverdrawViewpoints);
 }
@@ -258,15 +295,18 @@ PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects
   std::vector<Contender> shared;
   if (main.orders != nullptr) shared.push_back(order_set(main, settings.cache_size));
   const std::size_t order_sets = shared.size();
-  if (settings.baselines) {
-    const std::vector<Viewpoint> viewpoints =
-        random_viewpoints(settings.viewpoints, settings.min_distance, settings.max_distance, settings.seed);
-    if (main.orders != nullptr && !main.orders->base_sequence.empty()) {
-      shared.push_back(single_sequence(mesh, "base", main.orders->base_sequence, settings.cache_size));
-    }
-    shared.push_back(
-        single_sequence(mesh, "cache_optimized", cache_optimized_sequence(mesh), settings.cache_size));
-    shared.push_back(centroid_sort(mesh, bounding_sphere(mesh), viewpoints, settings.cache_size));
+  const Baselines& wanted = settings.baselines;
+  const std::vector<Viewpoint> viewpoints =
+      random_viewpoints(settings.viewpoints, settings.min_distance, settings.max_distance, settings.seed);
+  if (wanted.base && main.orders != nullptr && !main.orders->base_sequence.empty()) {
+    shared.push_back(single_sequence(mesh, "base", main.orders->base_sequence, settings.cache_size));
+  }
+  if (wanted.cache_optimized) shared.push_back(cache_optimized(mesh, settings.cache_size));
+  if (wanted.centroid_sort) shared.push_back(centroid_sort(mesh, viewpoints, settings.cache_size));
+  if (wanted.dptl) {
+    const PresortedOptions options = presorted_options(main.orders, settings.cache_size, progress);
+    if (auto lists = presorted_lists(mesh, options, viewpoints, report.notes))
+      shared.push_back(std::move(*lists));
   }
   measure_on(mesh, facing, shared, settings, progress);
 
@@ -288,6 +328,13 @@ PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects
     report.methods.push_back(std::move(contender.report));
   }
   append_reports(report.methods, std::span(shared).subspan(order_sets));
+  if (wanted.bsp) {
+    if (auto walk = bsp_walk(mesh, viewpoints, settings.cache_size, progress, report.notes)) {
+      const std::shared_ptr<const Mesh> pieces = walk->mesh;
+      measure_on(*pieces, facing, std::span(&*walk, 1), settings, progress);
+      report.methods.push_back(std::move(walk->report));
+    }
+  }
   return report;
 }
 

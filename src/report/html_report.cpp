@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "html_charts.h"
 #include "pellucid/report.h"
@@ -86,6 +87,8 @@ std::string readable_name(const MethodReport& method) {
   if (name == "base") return "best single order";
   if (name == "cache_optimized") return "vertex cache order";
   if (name == "centroid_sort") return "centroid sort, every frame";
+  if (name == "bsp") return "BSP walk, every frame";
+  if (name == "dptl") return "presorted lists, plane tests";
   return name;
 }
 
@@ -147,22 +150,28 @@ std::string methods_table(const PrimitiveMeasureReport& primitive) {
       "view</th>"
       "<th>PSNR dB</th><th>worst dB</th><th>ACMR</th><th>per "
       "drawn<br/>triangle</th><th>ATVR</th><th>overdraw</th>"
-      "<th>index data</th><th>ms per frame</th></tr></thead><tbody>";
+      "<th>index data</th><th>other data</th><th>built in</th><th>triangles<br/>submitted</th>"
+      "<th>plane tests</th><th>CPU per frame</th></tr></thead><tbody>";
   for (const MethodReport& method : primitive.methods) {
     const MethodQuality& quality = method.quality;
     text += fmt::format(
         "<tr{}><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</"
         "td><td>{}</td>"
-        "<td>{}</td><td>{}</td><td>{}</td></tr>",
+        "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
         method.kind == MethodKind::orders ? " class=\"ours\"" : "", escape_html(readable_name(method)),
         method.buffers, format_percent(quality.ipr_mean), format_percent(quality.ipr_max),
         format_fixed(quality.psnr_mean, 1), format_fixed(quality.psnr_min, 1),
         format_fixed(method.fifo.acmr, 3), format_fixed(method.fifo.acmr_drawn, 3),
         format_fixed(method.atvr, 2), method.overdraw > 0 ? format_fixed(method.overdraw, 3) : "\u2013",
-        format_bytes(method.memory_bytes),
-        quality.seconds_per_frame > 0 ? format_fixed(1e3 * quality.seconds_per_frame, 2) : "0");
+        format_bytes(method.memory_bytes), format_bytes(method.auxiliary_bytes),
+        method.build_seconds < 0 ? "\u2013" : format_seconds(method.build_seconds),
+        format_count(static_cast<std::uint64_t>(std::lround(method.triangles_submitted))),
+        format_count(static_cast<std::uint64_t>(std::lround(method.plane_tests))),
+        format_nanoseconds(method.nanoseconds_per_frame));
   }
-  return text + "</tbody></table></div>";
+  text += "</tbody></table></div>";
+  for (const std::string& note : primitive.notes) text += "<p class=\"note\">" + escape_html(note) + "</p>";
+  return text;
 }
 
 std::string methods_section(const HtmlReportInput& input) {
@@ -171,7 +180,8 @@ std::string methods_section(const HtmlReportInput& input) {
       "depth "
       "order. ACMR counts both facings of a triangle; per drawn triangle, the facing that is culled counts "
       "as "
-      "overhead. Milliseconds are CPU work in every frame.</p>";
+      "overhead. CPU per frame is the work before the frame can be drawn; triangles submitted count both "
+      "facings.</p>";
   for (const PrimitiveMeasureReport& primitive : input.measured->primitives) {
     if (input.measured->primitives.size() > 1) {
       text += fmt::format("<h3 style=\"margin-top:24px\">{}, {} triangles</h3>", escape_html(primitive.name),

@@ -28,7 +28,13 @@ Json json_of(const MethodReport& method) {
   json["overdraw"] = method.overdraw > 0 ? Json(method.overdraw) : Json(nullptr);
   json["buffer_count"] = method.buffers;
   json["memory_bytes"] = method.memory_bytes;
-  json["milliseconds_per_frame"] = 1e3 * method.quality.seconds_per_frame;
+  json["auxiliary_bytes"] = method.auxiliary_bytes;
+  json["build_seconds"] = method.build_seconds < 0 ? Json(nullptr) : Json(method.build_seconds);
+  json["nanoseconds_per_frame"] = method.nanoseconds_per_frame;
+  json["milliseconds_per_frame"] = 1e-6 * method.nanoseconds_per_frame;
+  json["triangles_submitted"] = method.triangles_submitted;
+  json["plane_tests"] = method.plane_tests;
+  json["splits"] = method.splits;
   json["kind"] = method.kind == MethodKind::orders ? "orders" : "baseline";
   return json;
 }
@@ -39,7 +45,8 @@ Json json_of(const PrimitiveMeasureReport& primitive) {
   return {{"name", primitive.name},
           {"triangles", primitive.triangles},
           {"vertices", primitive.vertices},
-          {"orders", std::move(methods)}};
+          {"orders", std::move(methods)},
+          {"notes", primitive.notes}};
 }
 
 // The method of that name in every primitive as one: means of means, worst of worst.
@@ -58,6 +65,12 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
       } else {
         sum.buffers += method.buffers;
         sum.memory_bytes += method.memory_bytes;
+        sum.auxiliary_bytes += method.auxiliary_bytes;
+        sum.build_seconds += std::max(0.0, method.build_seconds);
+        sum.nanoseconds_per_frame += method.nanoseconds_per_frame;
+        sum.triangles_submitted += method.triangles_submitted;
+        sum.plane_tests += method.plane_tests;
+        sum.splits += method.splits;
         sum.acmr_lru += method.acmr_lru;
         sum.atvr += method.atvr;
         sum.overdraw += method.overdraw;
@@ -65,7 +78,6 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
         into.ipr_max = std::max(into.ipr_max, from.ipr_max);
         into.psnr_mean += from.psnr_mean;
         into.psnr_min = std::min(into.psnr_min, from.psnr_min);
-        into.seconds_per_frame += from.seconds_per_frame;
         for (std::size_t i = 0; i < std::min(into.by_distance.size(), from.by_distance.size()); ++i) {
           into.by_distance[i].ipr += from.by_distance[i].ipr;
           into.by_distance[i].psnr += from.by_distance[i].psnr;
@@ -90,16 +102,14 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
   return sum;
 }
 
-std::string milliseconds(const MethodReport& method) {
-  return method.quality.seconds_per_frame > 0 ? format_fixed(1e3 * method.quality.seconds_per_frame, 2) : "0";
-}
-
 void add_row(TextTable& table, const MethodReport& method) {
   table.add_row({method.quality.name, std::to_string(method.buffers), format_percent(method.quality.ipr_mean),
                  format_percent(method.quality.ipr_max), format_fixed(method.quality.psnr_mean, 1),
                  format_fixed(method.fifo.acmr, 3), format_fixed(method.fifo.acmr_drawn, 3),
                  format_fixed(method.atvr, 2), method.overdraw > 0 ? format_fixed(method.overdraw, 3) : "-",
-                 format_bytes(method.memory_bytes), milliseconds(method)});
+                 format_bytes(method.memory_bytes + method.auxiliary_bytes),
+                 method.build_seconds < 0 ? "-" : format_seconds(method.build_seconds),
+                 format_nanoseconds(method.nanoseconds_per_frame)});
 }
 
 }  // namespace
@@ -138,10 +148,12 @@ std::string to_text(const MeasureReport& report) {
   for (const PrimitiveMeasureReport& primitive : report.primitives) {
     text += fmt::format("{}: {} triangles, {} vertices\n", primitive.name, format_count(primitive.triangles),
                         format_count(primitive.vertices));
-    TextTable table({"method", "buffers", "wrong pixels", "worst view", "PSNR", "ACMR", "per drawn", "ATVR",
-                     "overdraw", "memory", "ms/frame"});
+    TextTable table({"method", "buffers", "wrong", "worst", "PSNR", "ACMR", "per drawn", "ATVR", "overdraw",
+                     "memory", "build", "per frame"});
     for (const MethodReport& method : primitive.methods) add_row(table, method);
-    text += table.to_string() + "\n";
+    text += table.to_string();
+    for (const std::string& note : primitive.notes) text += note + "\n";
+    text += "\n";
   }
   const MeasureSettings& settings = report.settings;
   text +=

@@ -47,6 +47,13 @@ std::string format_seconds(double seconds) {
   return fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
 
+std::string format_nanoseconds(double time) {
+  if (!std::isfinite(time)) return "-";
+  if (time < 1e3) return fmt::format("{:.0f} ns", time);
+  if (time < 1e6) return fmt::format("{:.3g} us", 1e-3 * time);
+  return fmt::format("{:.3g} ms", 1e-6 * time);
+}
+
 std::string format_fixed(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
 }

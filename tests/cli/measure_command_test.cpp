@@ -50,12 +50,22 @@ TEST(MeasureCommand, MeasuresAFileWithoutOrdersByItself) {
   EXPECT_FALSE(json["orders"].contains("base"));
 }
 
+void erase_timings(nlohmann::json& json) {
+  if (json.is_object()) {
+    for (const char* key : {"seconds", "build_seconds", "nanoseconds_per_frame", "milliseconds_per_frame"})
+      json.erase(key);
+  }
+  for (nlohmann::json& value : json) {
+    if (value.is_structured()) erase_timings(value);
+  }
+}
+
 TEST(MeasureCommand, SameNumbersForAnyNumberOfThreads) {
   const auto measure = [](const char* threads) {
     const Finished done = run_pellucid(
         quick_measure({samples().ordered}, {"--json", "-", "--threads", threads, "--no-baselines"}));
     nlohmann::json json = nlohmann::json::parse(done.out);
-    json.erase("seconds");
+    erase_timings(json);
     return json;
   };
   EXPECT_EQ(measure("1"), measure("2"));
@@ -78,6 +88,34 @@ TEST(MeasureCommand, ReportNeedsOrders) {
   const Finished done = run_pellucid(quick_measure({samples().plain}, {"--report", folder.file("r.html")}));
   EXPECT_EQ(done.code, 4) << done.err;
   EXPECT_TRUE(folder.files().empty());
+}
+
+TEST(MeasureCommand, MeasuresTheRivalsThatAreAskedFor) {
+  const Finished done =
+      run_pellucid(quick_measure({samples().ordered}, {"--json", "-", "--baselines", "bsp,dptl"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json orders = nlohmann::json::parse(done.out)["orders"];
+  EXPECT_EQ(orders.size(), 3U);
+  for (const char* name : {"ordered", "bsp", "dptl"}) {
+    ASSERT_TRUE(orders.contains(name)) << name;
+    EXPECT_GT(orders[name]["nanoseconds_per_frame"], 0.0) << name;
+    EXPECT_GT(orders[name]["auxiliary_bytes"], 0) << name;
+    EXPECT_LT(orders[name]["ipr"]["mean"], 0.05) << name;
+  }
+  EXPECT_TRUE(orders["ordered"]["build_seconds"].is_null());
+  EXPECT_GT(orders["bsp"]["build_seconds"], 0.0);
+  EXPECT_GT(orders["bsp"]["plane_tests"], 0.0);
+  EXPECT_LT(orders["ordered"]["nanoseconds_per_frame"], orders["bsp"]["nanoseconds_per_frame"]);
+}
+
+TEST(MeasureCommand, RefusesRivalsThatItDoesNotKnow) {
+  for (const char* list : {"bps", "bsp,", "", "all,bsp"}) {
+    const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--baselines", list}));
+    EXPECT_EQ(done.code, 2) << list << ": " << done.err;
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+  }
+  EXPECT_EQ(run_pellucid(quick_measure({samples().ordered}, {"--baselines", "bsp", "--no-baselines"})).code,
+            2);
 }
 
 TEST(MeasureCommand, RefusesDistancesThatMakeNoSense) {

@@ -1,4 +1,4 @@
-// What a renderer does with an order set: selection, pixels in order, index buffers, the per-frame sort.
+// What a renderer does with an order set: selection, pixels in order, index buffers.
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"
@@ -101,21 +101,6 @@ TEST(RanksOf, MarksMissingNodes) {
 TEST(IndexBuffer, TurnsFlippedTwins) {
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}, {{0, 1, 2}, {1, 3, 2}}};
   EXPECT_EQ(index_buffer(mesh, NodeSequence{3, 0}), (Ranks{1, 2, 3, 0, 1, 2}));
-}
-
-TEST(CentroidSorted, NearestFirstWithTheFacingSeen) {
-  // Three triangles along z; the middle one is turned away.
-  Mesh mesh;
-  for (const float z : {0.0F, 1.0F, -1.0F})
-    testing::append(mesh, {{{-1, -1, z}, {1, -1, z}, {0, 1, z}}, {}, {{0, 1, 2}}});
-  std::swap(mesh.triangles[1][0], mesh.triangles[1][1]);
-  const BoundingSphere sphere = bounding_sphere(mesh);
-  for (const double distance : {2.0, 5.0, kInfiniteDistance}) {
-    EXPECT_EQ(centroid_sorted(mesh, sphere, {{0, 0, 1}, distance}),
-              (NodeSequence{node_of(1, true), node_of(0, false), node_of(2, false)}));
-    EXPECT_EQ(centroid_sorted(mesh, sphere, {{0, 0, -1}, distance}),
-              (NodeSequence{node_of(2, true), node_of(0, true), node_of(1, false)}));
-  }
 }
 
 }  // namespace

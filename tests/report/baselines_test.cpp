@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "contender.h"
 #include "pellucid/report.h"
 #include "report/handmade.h"
 
@@ -108,7 +109,84 @@ TEST(Baselines, MeasureListsOrdersFirstThenTheirRivals) {
     EXPECT_EQ(method.quality.frames.size(), 8U) << method.quality.name;
   }
   EXPECT_EQ(report.methods.front().kind, MethodKind::orders);
-  EXPECT_GT(report.methods.back().quality.seconds_per_frame, 0.0);
+  EXPECT_GT(report.methods.back().nanoseconds_per_frame, 0.0);
+  EXPECT_GT(report.methods.front().nanoseconds_per_frame, 0.0);  // choosing an order
+}
+
+TEST(Baselines, AllRivalsDrawAFlatMeshRight) {
+  const Mesh mesh = testing::two_triangles();
+  const OrderSet orders = testing::two_orders();
+  MeasureSettings settings;
+  settings.viewpoints = 8;
+  settings.size = 48;
+  settings.baselines = parse_baselines("all");
+  const MeasureSubject subject{"mine", &mesh, &orders};
+  const PrimitiveMeasureReport report =
+      measure_subjects(std::span(&subject, 1), nullptr, "quad", settings, nullptr);
+  EXPECT_TRUE(report.notes.empty());
+  ASSERT_EQ(report.methods.size(), 6U);
+  const MethodReport& lists = report.methods[4];
+  EXPECT_EQ(lists.quality.name, "dptl");
+  EXPECT_EQ(lists.quality.ipr_mean, 0.0);
+  EXPECT_EQ(lists.buffers, 6U);
+  // Both facings of both triangles in most lists, a plane with each, and the table of the cells.
+  EXPECT_EQ(lists.auxiliary_bytes, lists.fifo.triangles * 16 + 20);
+  EXPECT_EQ(lists.memory_bytes, lists.fifo.triangles * 6);
+  EXPECT_GE(lists.build_seconds, 0.0);
+  const MethodReport& walk = report.methods[5];
+  EXPECT_EQ(walk.quality.name, "bsp");
+  EXPECT_EQ(walk.quality.ipr_mean, 0.0);
+  EXPECT_EQ(walk.splits, 0U);
+  EXPECT_EQ(walk.triangles_submitted, 2.0);
+  EXPECT_EQ(walk.plane_tests, 1.0);  // one plane holds both
+}
+
+TEST(Baselines, NamesAreChosenOrRefused) {
+  const Baselines chosen = parse_baselines("bsp,base");
+  EXPECT_TRUE(chosen.bsp && chosen.base);
+  EXPECT_FALSE(chosen.dptl || chosen.centroid_sort || chosen.cache_optimized);
+  const Baselines all = parse_baselines("all");
+  EXPECT_TRUE(all.bsp && all.dptl && all.base && all.centroid_sort && all.cache_optimized);
+  const Baselines none = parse_baselines("none");
+  EXPECT_FALSE(none.bsp || none.dptl || none.base || none.centroid_sort || none.cache_optimized);
+  EXPECT_THROW(parse_baselines("original"), Error);
+}
+
+TEST(RunTime, TheTimedSelectionIsTheOneThatIsMeasured) {
+  Random random(4);
+  for (const char* text : {"S0,0", "S2,1", "P1"}) {
+    OrderSet orders = testing::two_orders();
+    orders.partition = parse_partition(text);
+    orders.cell_orders.clear();
+    for (std::uint32_t c = 0; c < make_partition(orders.partition).cell_count(); ++c)
+      orders.cell_orders.push_back(1000 + c);
+    const auto work = selection_work(orders);
+    for (int k = 0; k < 200; ++k) {
+      const Viewpoint view{random.direction(), k % 3 == 0 ? kInfiniteDistance : random.uniform(2, 5)};
+      EXPECT_EQ(work(view), select_order(orders, view.direction)) << text;
+    }
+  }
+  EXPECT_EQ(cell_table_bytes(parse_partition("S2,1"), 6), 320U);
+  EXPECT_EQ(cell_table_bytes(parse_partition("P1"), 300), 2 * 3 * 80U);
+}
+
+TEST(RunTime, IsAboutTheWorkThatIsDone) {
+  const std::vector<Viewpoint> views = random_viewpoints(4, 2, 5, 1);
+  const auto spin = [](std::uint64_t turns) {
+    return [turns](const Viewpoint&) {
+      Random random(1);
+      std::uint64_t sum = 0;
+      for (std::uint64_t k = 0; k < turns; ++k) sum += random.next();
+      return sum;
+    };
+  };
+  const double once = nanoseconds_per_frame(spin(2000), views);
+  const double tenfold = nanoseconds_per_frame(spin(20000), views);
+  EXPECT_GT(once, 100);
+  EXPECT_GT(tenfold, 4 * once);
+  EXPECT_LT(tenfold, 25 * once);
+  EXPECT_EQ(nanoseconds_per_frame({}, views), 0);
+  EXPECT_EQ(nanoseconds_per_frame(spin(10), {}), 0);
 }
 
 TEST(Baselines, MissingTwinsAreWrongPixels) {
@@ -119,7 +197,7 @@ TEST(Baselines, MissingTwinsAreWrongPixels) {
   MeasureSettings settings;
   settings.viewpoints = 40;
   settings.size = 32;
-  settings.baselines = false;
+  settings.baselines = parse_baselines("none");
   const MeasureSubject subject{"mine", &mesh, &orders};
   const PrimitiveMeasureReport report =
       measure_subjects(std::span(&subject, 1), nullptr, "quad", settings, nullptr);

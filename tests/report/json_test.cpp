@@ -65,6 +65,10 @@ TEST(JsonContract, Measure) {
   expect_keys(json["psnr"], {"mean", "min"});
   expect_keys(json["by_distance"][0], {"distance", "ipr", "psnr"});
   expect_keys(json["orders"], {"a", "original", "centroid_sort"});
+  expect_keys(json["orders"]["a"],
+              {"memory_bytes", "auxiliary_bytes", "build_seconds", "nanoseconds_per_frame",
+               "milliseconds_per_frame", "triangles_submitted", "plane_tests", "splits"});
+  expect_keys(json["primitives"][0], {"notes"});
   EXPECT_DOUBLE_EQ(json["ipr"]["mean"].get<double>(), 0.01);
   EXPECT_DOUBLE_EQ(json["orders"]["original"]["ipr"]["mean"].get<double>(), 0.25);
 }

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <sstream>
 
 #include "pellucid/report.h"
+#include "report/handmade.h"
 
 namespace pellucid {
 namespace {
@@ -28,6 +30,32 @@ TEST(Text, SecondsBecomeMinutes) {
   EXPECT_EQ(format_seconds(12.34), "12.3 s");
   EXPECT_EQ(format_seconds(245), "4 min 05 s");
   EXPECT_EQ(format_seconds(std::numeric_limits<double>::quiet_NaN()), "-");
+}
+
+TEST(Text, NanosecondsFindTheirUnit) {
+  EXPECT_EQ(format_nanoseconds(0), "0 ns");
+  EXPECT_EQ(format_nanoseconds(87.4), "87 ns");
+  EXPECT_EQ(format_nanoseconds(12345), "12.3 us");
+  EXPECT_EQ(format_nanoseconds(4.56e6), "4.56 ms");
+  EXPECT_EQ(format_nanoseconds(std::numeric_limits<double>::infinity()), "-");
+}
+
+TEST(Text, TheMeasureTableFitsATerminal) {
+  MeasureReport report = testing::measured("quad");
+  MethodReport wide = testing::method("cache_optimized", MethodKind::baseline, 0.000123);
+  wide.buffers = 16;
+  wide.memory_bytes = 999'900;
+  wide.fifo = {4, 8, 2.987, 2.987};
+  wide.overdraw = 12.345;
+  wide.build_seconds = 245;
+  wide.nanoseconds_per_frame = 123456;
+  wide.quality.psnr_mean = 100;
+  report.primitives[0].methods.push_back(wide);
+  report.primitives[0].notes = {"bsp: left out"};
+  const std::string text = to_text(report);
+  EXPECT_NE(text.find("\nbsp: left out\n"), std::string::npos);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120U) << line;
 }
 
 TEST(Text, SmallPercentagesKeepTheirDigits) {

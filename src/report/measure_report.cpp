@@ -24,6 +24,11 @@ Json json_of(const MethodReport& method) {
   json["acmr"] = method.fifo.acmr;
   json["acmr_drawn"] = method.fifo.acmr_drawn;
   json["acmr_lru"] = method.acmr_lru;
+  Json by_cache = Json::object();
+  for (std::size_t i = 0; i < kReportedCaches.size(); ++i) {
+    by_cache[std::string(kReportedCaches[i].name)] = method.acmr_by_cache[i];
+  }
+  json["acmr_by_cache"] = std::move(by_cache);
   json["atvr"] = method.atvr;
   json["overdraw"] = method.overdraw > 0 ? Json(method.overdraw) : Json(nullptr);
   json["buffer_count"] = method.buffers;
@@ -59,6 +64,9 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
         sum.buffers += method.buffers;
         sum.memory_bytes += method.memory_bytes;
         sum.acmr_lru += method.acmr_lru;
+        for (std::size_t i = 0; i < sum.acmr_by_cache.size(); ++i) {
+          sum.acmr_by_cache[i] += method.acmr_by_cache[i];
+        }
         sum.atvr += method.atvr;
         sum.overdraw += method.overdraw;
         into.ipr_mean += from.ipr_mean;
@@ -78,6 +86,7 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
   sum.fifo = pooled(fifo);
   if (count > 1) {
     sum.acmr_lru /= count;
+    for (double& acmr : sum.acmr_by_cache) acmr /= count;
     sum.atvr /= count;
     sum.overdraw /= count;
     sum.quality.ipr_mean /= count;
@@ -100,6 +109,21 @@ void add_row(TextTable& table, const MethodReport& method) {
                  format_fixed(method.fifo.acmr, 3), format_fixed(method.fifo.acmr_drawn, 3),
                  format_fixed(method.atvr, 2), method.overdraw > 0 ? format_fixed(method.overdraw, 3) : "-",
                  format_bytes(method.memory_bytes), milliseconds(method)});
+}
+
+// What tuning for one cache costs with another.
+std::string cache_table(const PrimitiveMeasureReport& primitive) {
+  std::vector<std::string> header{"misses per triangle"};
+  for (const ReportedCache& cache : kReportedCaches) {
+    header.push_back(fmt::format("{} {}", cache.model == CacheModel::fifo ? "FIFO" : "LRU", cache.size));
+  }
+  TextTable table(header);
+  for (const MethodReport& method : primitive.methods) {
+    std::vector<std::string> row{method.quality.name};
+    for (const double acmr : method.acmr_by_cache) row.push_back(format_fixed(acmr, 3));
+    table.add_row(row);
+  }
+  return table.to_string();
 }
 
 }  // namespace
@@ -141,7 +165,7 @@ std::string to_text(const MeasureReport& report) {
     TextTable table({"method", "buffers", "wrong pixels", "worst view", "PSNR", "ACMR", "per drawn", "ATVR",
                      "overdraw", "memory", "ms/frame"});
     for (const MethodReport& method : primitive.methods) add_row(table, method);
-    text += table.to_string() + "\n";
+    text += table.to_string() + "\n" + cache_table(primitive) + "\n";
   }
   const MeasureSettings& settings = report.settings;
   text +=

@@ -1,10 +1,14 @@
-// The parts of ordering that take its time: edges of one viewpoint, pair search, sifting, selection. The mesh
-// is the torus knot sample, simplified to 10,000 triangles: many layers, and no file is needed.
+// The parts of ordering that take its time: edges of one viewpoint, pair search, sifting, sequences,
+// selection. The mesh is the torus knot sample, simplified to 10,000 triangles: many layers, and no file is
+// needed.
 #include <benchmark/benchmark.h>
 
+#include "budget.h"
+#include "gather_visits.h"
 #include "linear_order.h"
 #include "occlusion_graph.h"
 #include "pellucid/order.h"
+#include "sequence.h"
 #include "viewpoint_edges.h"
 
 namespace pellucid {
@@ -80,6 +84,42 @@ void BM_Sift(benchmark::State& state) {
   state.counters["violated share"] = left / violated_weight(wishes, start);
 }
 BENCHMARK(BM_Sift)->ArgName("triangles")->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+
+// Vertex-cache sequences of all facings, seen from five cells.
+void BM_Sequence(benchmark::State& state) {
+  const ThreadLimit one_thread(1);
+  const Mesh mesh = torus_knot(static_cast<std::uint32_t>(state.range(0)));
+  const ViewPartition partition = make_partition({PartitionKind::sampled_triangles, 0, 1});
+  GraphOptions options;
+  options.distances = {3};
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  const OcclusionGraph graph = build_occlusion_graph(mesh, sphere, partition, options);
+  const std::vector<std::uint32_t> cells{0, 1, 2, 3, 4};
+  const EdgeRows edges = sum_cells(graph, cells);
+  std::vector<std::uint32_t> ranks = ranks_by_key(depth_keys(mesh, sphere, partition, cells));
+  sift(net_wishes(edges), {}, ranks);
+  const std::vector<std::uint8_t> drawn(graph.node_count, 1);
+  SequenceOptions sequence_options;
+  sequence_options.method = state.range(1) == 0 ? CacheMethod::scheduled : CacheMethod::tipsify;
+  sequence_options.least_binding = 1e-6F;
+  sequence_options.slack = 5e-4;
+  NodeSequence sequence;
+  for (auto _ : state) {
+    sequence = cache_aware_sequence(mesh, edges, ranks, drawn, sequence_options);
+    benchmark::DoNotOptimize(sequence.data());
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) *
+                          static_cast<std::int64_t>(sequence.size()));
+  state.counters["edges"] = static_cast<double>(edges.edge_count());
+  state.counters["ACMR"] =
+      static_cast<double>(fifo_misses(mesh, sequence, 20)) / static_cast<double>(sequence.size());
+}
+BENCHMARK(BM_Sequence)
+    ->ArgNames({"triangles", "tipsify"})
+    ->Args({1000, 0})
+    ->Args({10000, 0})
+    ->Args({10000, 1})
+    ->Unit(benchmark::kMillisecond);
 
 void BM_SelectOrder(benchmark::State& state) {
   OrderSet set;

@@ -268,6 +268,7 @@ OrderReport new_report(const OrderCommandOptions& options) {
   report.views = to_string(options.order.partition);
   report.seed = options.order.seed;
   report.cache_size = options.order.cache_size;
+  report.cache_method = options.order.cache_method == CacheMethod::tipsify ? "tipsify" : "scheduled";
   report.distances = options.order.distances;
   return report;
 }
@@ -426,6 +427,17 @@ void add_file_options(CLI::App& command, OrderCommandOptions& o) {
 
   command.add_option("--cache", o.order.cache_size, "FIFO vertex cache to optimise for; 0: not at all")
       ->check(CLI::Range(0U, 1024U))
+      ->capture_default_str()
+      ->group("Output");
+  add_choice(command, "--cache-method", o.order.cache_method,
+             {{"scheduled", CacheMethod::scheduled}, {"tipsify", CacheMethod::tipsify}},
+             "scheduled (default), or the paper's tipsify")
+      ->group("Output");
+  command
+      .add_option("--cache-slack", o.order.cache_slack,
+                  "budget: wrong area that the cache may cost, square radii a view")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("X")
       ->capture_default_str()
       ->group("Output");
   add_choice(

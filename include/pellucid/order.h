@@ -102,6 +102,11 @@ enum class MergePriority {
   difference /* min |I u J| - |I n J| */,
   union_size /* min |I u J| */
 };
+// How the nodes of an order are put into a sequence for the vertex cache (section 4).
+enum class CacheMethod {
+  scheduled,  // list scheduling and a local search, twins beside each other where they may be
+  tipsify,    // the paper's
+};
 enum class Projection { perspective, orthographic };
 
 struct OrderOptions {
@@ -130,6 +135,10 @@ struct OrderOptions {
   std::uint32_t refine_rounds = 1;  // of that repair; 0: none, the paper's form
 
   std::uint32_t cache_size = 20;  // FIFO size that sequences are optimised for; 0: leave the sequence alone
+  CacheMethod cache_method = CacheMethod::scheduled;
+  // budget: the area drawn in the wrong order that a sequence may add for the vertex cache, square bounding
+  // radii per view (a picture is 4). 0: none. acyclic never adds any.
+  double cache_slack = 1e-4;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };

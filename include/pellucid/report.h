@@ -5,6 +5,7 @@
 // (docs/json.md).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -78,6 +79,7 @@ struct OrderReport {
   std::string method, views;
   std::uint64_t seed = 0;
   std::uint32_t cache_size = 0;
+  std::string cache_method;
   std::vector<double> distances;
   std::vector<PrimitiveOrderReport> primitives;
   std::uint64_t disk_bytes = 0;  // of the orders, as stored
@@ -122,6 +124,19 @@ struct MeasureSettings {
 
 enum class MethodKind { orders, baseline };
 
+// Caches that every method's ACMR is reported for, so that a reader sees what tuning for one size costs with
+// another.
+struct ReportedCache {
+  CacheModel model;
+  std::uint32_t size;
+  std::string_view name;
+};
+constexpr std::array<ReportedCache, 5> kReportedCaches{{{CacheModel::fifo, 16, "fifo16"},
+                                                        {CacheModel::fifo, 20, "fifo20"},
+                                                        {CacheModel::fifo, 32, "fifo32"},
+                                                        {CacheModel::lru, 16, "lru16"},
+                                                        {CacheModel::lru, 32, "lru32"}}};
+
 struct MethodReport {
   MethodKind kind = MethodKind::orders;
   std::uint32_t buffers = 1;
@@ -134,6 +149,7 @@ struct MethodReport {
   std::uint64_t splits = 0;           // triangles and pieces that were cut in two
   BufferStatistics fifo;              // all buffers pooled
   double acmr_lru = 0;
+  std::array<double, kReportedCaches.size()> acmr_by_cache{};
   double atvr = 0;
   double overdraw = 0;
   MethodQuality quality;  // carries the name
@@ -157,8 +173,9 @@ struct MeasureReport {
 // Measure every subject that has orders, and beside them the rivals of the first subject's mesh: `original`
 // (the triangle order of `original`, drawn as viewers draw it: later triangles over earlier ones; null: left
 // out), `base` (the best single order of the set), `cache_optimized` (meshoptimizer's unconstrained vertex
-// cache order), `centroid_sort` (sorted for every frame), `bsp` (walk of a binary space partition) and `dptl`
-// (depth-presorted triangle lists). The first subject decides the facing.
+// cache order of all triangles), `cache_optimized_twins` (the same of every buffer of the set, with the nodes
+// that it holds: what its constraints cost), `centroid_sort` (sorted for every frame), `bsp` (walk of a
+// binary space partition) and `dptl` (depth-presorted triangle lists). The first subject decides the facing.
 PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects, const Mesh* original,
                                         const std::string& name, const MeasureSettings& settings,
                                         Progress* progress);
@@ -178,6 +195,8 @@ std::vector<std::uint32_t> ranks_of_triangles(std::span<const std::uint32_t> seq
 std::vector<std::uint32_t> ranks_as_stored(std::uint64_t triangle_count);
 // Baseline: triangles in meshoptimizer's vertex cache order, which knows nothing of depth.
 std::vector<std::uint32_t> cache_optimized_sequence(const Mesh& mesh);
+// The same nodes in meshoptimizer's vertex cache order.
+NodeSequence cache_optimized_nodes(const Mesh& mesh, const NodeSequence& nodes);
 
 // ------------------------------------------------------------------------------------------------ the page
 

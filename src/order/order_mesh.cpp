@@ -29,9 +29,12 @@ constexpr std::uint32_t kUpsampleFrom = 20000;
 // Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a
 // pixel of a 1024 x 1024 picture. They are counted (pruned weight) but not kept.
 constexpr float kLeastWeight = 3e-7F;
-// A budget order's edges lighter than this do not bind its vertex-cache sequence: the cell-averaged weight of
-// about half a pixel of a 1024 x 1024 picture, summed over a cluster.
+// A budget order's edges lighter than this are the first that its vertex-cache sequence may violate: the
+// cell-averaged weight of about half a pixel of a 1024 x 1024 picture, summed over a cluster.
 constexpr float kLeastBindingWeight = 1e-6F;
+
+// Clusters whose sequences are made at the same time.
+constexpr std::uint32_t kSequencesAtOnce = 4;
 
 class Stopwatch {
  public:
@@ -63,6 +66,8 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
   if (options.max_buffers == 0 || options.min_buffers == 0) refuse("at least one buffer is needed");
   if (options.min_buffers > options.max_buffers) refuse("the least number of buffers exceeds the largest");
   if (options.raster_size == 0 || options.raster_size > 8192) refuse("the raster size must be 1 .. 8192");
+  if (!(options.cache_slack >= 0)) refuse("the slack of the vertex cache must not be negative");
+  if (options.cache_size > 0 && options.cache_size < 3) refuse("a vertex cache holds at least 3 vertices");
   if (!(options.tolerance <= 1)) refuse("the tolerance is in bounding radii and must not exceed 1");
 }
 
@@ -192,20 +197,32 @@ class Orderer {
     const std::vector<std::uint8_t> drawn = visible_nodes(problem, cells, range_, options_.facing);
     const std::vector<std::uint32_t>& ranks = clustering.ranks[c];
     if (options_.cache_size == 0) return rank_sequence(ranks, drawn);
-    const float least = options_.method == OrderMethod::acyclic ? 0.0F : kLeastBindingWeight;
-    const SequenceConstraints constraints =
-        agreeing_edges(sum_cells(problem.graph, cells), ranks, drawn, least);
-    return cache_aware_sequence(*problem.mesh, constraints, ranks, drawn, options_.cache_size);
+    SequenceOptions sequence;
+    sequence.method = options_.cache_method;
+    sequence.cache_size = options_.cache_size;
+    if (options_.method == OrderMethod::budget) {
+      sequence.least_binding = kLeastBindingWeight;
+      sequence.slack = options_.cache_slack * static_cast<double>(cells.size());
+    }
+    return cache_aware_sequence(*problem.mesh, sum_cells(problem.graph, cells), ranks, drawn, sequence);
   }
 
   std::vector<NodeSequence> make_sequences(const OrderProblem& problem, const Clustering& clustering) {
     begin_stage(options_.progress, "sequences", clustering.cluster_count());
     std::vector<NodeSequence> sequences(clustering.cluster_count());
-    for (std::uint32_t c = 0; c < clustering.cluster_count(); ++c) {
-      stop_if_requested(options_.progress);
-      sequences[c] = sequence_cluster(problem, clustering, c);
-      advance_stage(options_.progress, 1);
-    }
+    // A few clusters at a time: the summed edges of one may take some 100 MB.
+    const std::uint32_t at_once = (clustering.cluster_count() + kSequencesAtOnce - 1) / kSequencesAtOnce;
+    const tbb::blocked_range<std::uint32_t> clusters(0, clustering.cluster_count(), at_once);
+    tbb::parallel_for(
+        clusters,
+        [&](const tbb::blocked_range<std::uint32_t>& some) {
+          for (std::uint32_t c = some.begin(); c < some.end(); ++c) {
+            stop_if_requested(options_.progress);
+            sequences[c] = sequence_cluster(problem, clustering, c);
+            advance_stage(options_.progress, 1);
+          }
+        },
+        tbb::simple_partitioner());
     return sequences;
   }
 
@@ -229,15 +246,17 @@ class Orderer {
           mesh_, full.sphere, full.partition, cluster_of, ranks,
           held_out_viewpoints(range_, refine.front_only, options_.seed, options_.progress));
     }
+    SequenceOptions sequence;
+    sequence.method = options_.cache_method;
+    sequence.cache_size = options_.cache_size;
     begin_stage(options_.progress, "sequences", ranks.size());
     for (std::uint32_t c = 0; c < ranks.size(); ++c) {
       stop_if_requested(options_.progress);
       const std::vector<std::uint8_t> drawn =
           visible_nodes(full, cells_of_cluster(cluster_of, c), range_, options_.facing);
-      result_.orders.orders[c] =
-          refine.rounds == 0 || options_.cache_size == 0
-              ? rank_sequence(ranks[c], drawn)
-              : windowed_sequence(mesh_, known[c], ranks[c], drawn, options_.cache_size);
+      result_.orders.orders[c] = refine.rounds == 0 || options_.cache_size == 0
+                                     ? rank_sequence(ranks[c], drawn)
+                                     : windowed_sequence(mesh_, known[c], ranks[c], drawn, sequence);
       advance_stage(options_.progress, 1);
     }
   }

@@ -407,8 +407,8 @@ class RegionPresorter {
     rows.weights = edges.weights;
     std::vector<std::uint32_t> sequence =
         problem_.cache_size == 0 ? rank_sequence(ranks, drawn)
-                                 : cache_aware_sequence(mesh, agreeing_edges(rows, ranks, drawn, 0), ranks,
-                                                        drawn, problem_.cache_size);
+                                 : cache_aware_sequence(mesh, rows, ranks, drawn,
+                                                        {CacheMethod::tipsify, problem_.cache_size, 0, 0});
     for (std::uint32_t& entry : sequence) entry = triangle_of(entry);
     return sequence;
   }

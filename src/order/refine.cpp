@@ -161,7 +161,8 @@ class Refiner {
   template <class Predicate>
   std::vector<std::vector<SeenEdge>> look(std::size_t view, const Predicate& wanted) {
     const std::size_t sample = view / distances_per_sample_;
-    const Viewpoint viewpoint{partition_.samples[sample], options_.distances[view % options_.distances.size()]};
+    const Viewpoint viewpoint{partition_.samples[sample],
+                              options_.distances[view % options_.distances.size()]};
     ViewpointEdges& edges = edges_.local();
     find_edges_by_raster(scene_, viewpoint, scratch_.local(), edges);
     std::vector<std::vector<SeenEdge>> seen(ranks_.size());
@@ -210,9 +211,10 @@ class Numbering {
   std::vector<std::uint32_t> things_;
 };
 
-// Consecutive nodes, rearranged for the vertex cache as a mesh of their own, so that a run costs what it holds.
+// Consecutive nodes, rearranged for the vertex cache as a mesh of their own, so that a run costs what it
+// holds.
 NodeSequence sequence_of_run(const Mesh& mesh, const EdgeRows& edges, std::span<const NodeId> run,
-                             std::span<const std::uint32_t> ranks, std::uint32_t cache_size) {
+                             std::span<const std::uint32_t> ranks, const SequenceOptions& options) {
   Numbering triangles;
   Numbering vertices;
   Mesh local;
@@ -245,10 +247,8 @@ NodeSequence sequence_of_run(const Mesh& mesh, const EdgeRows& edges, std::span<
     rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
   }
 
-  NodeSequence sequence = cache_aware_sequence(local, agreeing_edges(rows, local_ranks, drawn, 0), local_ranks,
-                                               drawn, cache_size);
-  for (NodeId& node : sequence)
-    node = node_of(triangles.things()[triangle_of(node)], is_flipped(node));
+  NodeSequence sequence = cache_aware_sequence(local, rows, local_ranks, drawn, options);
+  for (NodeId& node : sequence) node = node_of(triangles.things()[triangle_of(node)], is_flipped(node));
   return sequence;
 }
 
@@ -259,7 +259,8 @@ std::uint32_t refine_window(std::uint64_t node_count) {
 }
 
 std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphere,
-                                    const PartitionSpec& partition, const std::vector<std::uint32_t>& cluster_of,
+                                    const PartitionSpec& partition,
+                                    const std::vector<std::uint32_t>& cluster_of,
                                     const RefineOptions& options,
                                     std::vector<std::vector<std::uint32_t>>& ranks) {
   PartitionSpec views = partition;
@@ -269,7 +270,7 @@ std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphe
 }
 
 NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::span<const std::uint32_t> ranks,
-                               std::span<const std::uint8_t> drawn, std::uint32_t cache_size) {
+                               std::span<const std::uint8_t> drawn, const SequenceOptions& options) {
   const NodeSequence by_rank = rank_sequence(ranks, drawn);
   const std::size_t window = refine_window(ranks.size());
   const std::size_t runs = (by_rank.size() + window - 1) / window;
@@ -277,8 +278,8 @@ NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::spa
   tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
     const std::size_t begin = run * window;
     const std::size_t end = std::min(begin + window, by_rank.size());
-    const NodeSequence sorted = sequence_of_run(mesh, edges, std::span(by_rank).subspan(begin, end - begin),
-                                                ranks, cache_size);
+    const NodeSequence sorted =
+        sequence_of_run(mesh, edges, std::span(by_rank).subspan(begin, end - begin), ranks, options);
     std::copy(sorted.begin(), sorted.end(), sequence.begin() + static_cast<std::ptrdiff_t>(begin));
   });
   return sequence;

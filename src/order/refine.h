@@ -12,6 +12,7 @@
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
+#include "sequence.h"
 
 namespace pellucid {
 
@@ -28,14 +29,17 @@ std::uint32_t refine_window(std::uint64_t node_count);
 
 // Improve `ranks` (per cluster, per node: permutations) in place. Returns every cluster's known edges: of the
 // pairs seen, those in the wrong order or within refine_window() of each other before the last repair.
-// O(rounds * samples * (pixels + triangles)); memory: the known edges, 16 bytes each while they are collected.
-std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphere, const PartitionSpec& partition,
-                                    const std::vector<std::uint32_t>& cluster_of, const RefineOptions& options,
+// O(rounds * samples * (pixels + triangles)); memory: the known edges, 16 bytes each while they are
+// collected.
+std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphere,
+                                    const PartitionSpec& partition,
+                                    const std::vector<std::uint32_t>& cluster_of,
+                                    const RefineOptions& options,
                                     std::vector<std::vector<std::uint32_t>>& ranks);
 
 // The nodes with drawn[node] != 0 by rank, rearranged for the vertex cache inside runs of refine_window()
 // ranks, where all edges are known.
 NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::span<const std::uint32_t> ranks,
-                               std::span<const std::uint8_t> drawn, std::uint32_t cache_size);
+                               std::span<const std::uint8_t> drawn, const SequenceOptions& options);
 
 }  // namespace pellucid

@@ -2,143 +2,43 @@
 #include "sequence.h"
 
 #include <algorithm>
-#include <functional>
-#include <queue>
+#include <array>
+#include <bit>
+
+#include "gather_visits.h"
+#include "list_schedule.h"
+#include "tipsify.h"
 
 namespace pellucid {
 namespace {
 
-class Tipsifier {
- public:
-  Tipsifier(const Mesh& mesh, const SequenceConstraints& constraints, std::span<const std::uint32_t> ranks,
-            std::span<const std::uint8_t> drawn, std::uint32_t cache_size)
-      : mesh_(mesh),
-        constraints_(constraints),
-        ranks_(ranks),
-        drawn_(drawn),
-        cache_size_(cache_size),
-        predecessors_(drawn.size(), 0),
-        emitted_(drawn.size(), 0),
-        entered_(mesh.positions.size(), 0),
-        ready_around_(mesh.positions.size(), 0),
-        clock_(cache_size + 1) {
-    for (const NodeId follower : constraints.followers) ++predecessors_[follower];
-    list_nodes_around_vertices();
-    for (NodeId node = 0; node < drawn.size(); ++node) {
-      if (drawn[node] != 0 && predecessors_[node] == 0) become_ready(node);
-    }
-  }
+// Nodes whose reachability is kept at a time: bounds the memory of the transitive reduction.
+constexpr std::uint32_t kColumns = 8192;
+constexpr std::uint32_t kWords = kColumns / 64;
+// From one weight of lifted constraints to the next.
+constexpr float kNextLeast = 2;
+// The next step is tried while less than this share of the slack is used: it would hardly be kept otherwise.
+constexpr double kSlackToGoOn = 0.5;
 
-  NodeSequence run() {
-    for (std::uint32_t vertex = next_after_dead_end(); vertex != kNoVertex; vertex = next_vertex())
-      fan(vertex);
-    return std::move(sequence_);
+// Constraints between positions of a sequence instead of nodes, rows ascending.
+class PositionRows {
+ public:
+  PositionRows(const SequenceConstraints& constraints, const NodeSequence& sequence)
+      : constraints_(constraints), sequence_(sequence), positions_(constraints.offsets.size() - 1, 0) {
+    for (std::uint32_t i = 0; i < sequence.size(); ++i) positions_[sequence[i]] = i;
+  }
+  // Sets a bit for every follower of a position within [begin, begin + kColumns).
+  void mark(std::uint32_t position, std::uint32_t begin, std::span<std::uint64_t> bits) const {
+    for (const NodeId follower : constraints_.followers_of(sequence_[position])) {
+      const std::uint32_t column = positions_[follower] - begin;
+      if (column < kColumns) bits[column / 64] |= std::uint64_t{1} << (column % 64);
+    }
   }
 
  private:
-  static constexpr std::uint32_t kNoVertex = 0xFFFFFFFFU;
-
-  void list_nodes_around_vertices() {
-    around_offsets_.assign(mesh_.positions.size() + 1, 0);
-    for_each_drawn([&](NodeId node) {
-      for (const std::uint32_t v : mesh_.triangles[triangle_of(node)]) ++around_offsets_[v + 1];
-    });
-    for (std::size_t v = 0; v + 1 < around_offsets_.size(); ++v) around_offsets_[v + 1] += around_offsets_[v];
-    around_.resize(around_offsets_.back());
-    std::vector<std::uint32_t> cursor(around_offsets_.begin(), around_offsets_.end() - 1);
-    for_each_drawn([&](NodeId node) {
-      for (const std::uint32_t v : mesh_.triangles[triangle_of(node)]) around_[cursor[v]++] = node;
-    });
-  }
-
-  template <class Function>
-  void for_each_drawn(const Function& function) {
-    for (NodeId node = 0; node < drawn_.size(); ++node) {
-      if (drawn_[node] != 0) function(node);
-    }
-  }
-
-  void become_ready(NodeId node) {
-    for (const std::uint32_t v : mesh_.triangles[triangle_of(node)]) ++ready_around_[v];
-    ready_by_rank_.push({ranks_[node], node});
-  }
-
-  // Draw everything ready around a vertex; drawing one node may make the next one ready.
-  void fan(std::uint32_t vertex) {
-    candidates_.clear();
-    while (ready_around_[vertex] > 0) {
-      for (std::uint32_t i = around_offsets_[vertex]; i < around_offsets_[vertex + 1]; ++i) {
-        const NodeId node = around_[i];
-        if (emitted_[node] == 0 && predecessors_[node] == 0) emit(node);
-      }
-    }
-  }
-
-  void emit(NodeId node) {
-    emitted_[node] = 1;
-    sequence_.push_back(node);
-    for (const std::uint32_t v : mesh_.triangles[triangle_of(node)]) {
-      --ready_around_[v];
-      candidates_.push_back(v);
-      recent_.push_back(v);
-      if (clock_ - entered_[v] > cache_size_) entered_[v] = clock_++;
-    }
-    for (std::uint32_t i = constraints_.offsets[node]; i < constraints_.offsets[node + 1]; ++i) {
-      const NodeId follower = constraints_.followers[i];
-      if (--predecessors_[follower] == 0) become_ready(follower);
-    }
-  }
-
-  // Of the vertices just used, the one longest in the cache that will still be there after its fan.
-  std::uint32_t next_vertex() {
-    std::uint32_t best = kNoVertex;
-    std::uint64_t best_age = 0;
-    bool best_survives = false;
-    for (const std::uint32_t v : candidates_) {
-      if (ready_around_[v] == 0) continue;
-      const std::uint64_t age = clock_ - entered_[v];
-      const bool survives = age + 2 * std::uint64_t{ready_around_[v]} <= cache_size_;
-      if (best == kNoVertex || (survives && !best_survives) ||
-          (survives == best_survives && survives && age > best_age)) {
-        best = v;
-        best_age = age;
-        best_survives = survives;
-      }
-    }
-    return best != kNoVertex ? best : next_after_dead_end();
-  }
-
-  // The most recently used vertex with something ready around it, else the ready node of least rank.
-  std::uint32_t next_after_dead_end() {
-    while (!recent_.empty()) {
-      const std::uint32_t v = recent_.back();
-      recent_.pop_back();
-      if (ready_around_[v] > 0) return v;
-    }
-    while (!ready_by_rank_.empty()) {
-      const NodeId node = ready_by_rank_.top().second;
-      ready_by_rank_.pop();
-      if (emitted_[node] == 0) return mesh_.triangles[triangle_of(node)][0];
-    }
-    return kNoVertex;
-  }
-
-  const Mesh& mesh_;
   const SequenceConstraints& constraints_;
-  std::span<const std::uint32_t> ranks_;
-  std::span<const std::uint8_t> drawn_;
-  std::uint64_t cache_size_;
-  std::vector<std::uint32_t> predecessors_;  // not yet drawn, per node
-  std::vector<std::uint8_t> emitted_;
-  std::vector<std::uint32_t> around_offsets_;  // nodes around a vertex
-  std::vector<NodeId> around_;
-  std::vector<std::uint64_t> entered_;       // clock when the vertex last entered the cache
-  std::vector<std::uint32_t> ready_around_;  // ready nodes around a vertex, not yet drawn
-  std::vector<std::uint32_t> candidates_, recent_;
-  using RankedNode = std::pair<std::uint32_t, NodeId>;
-  std::priority_queue<RankedNode, std::vector<RankedNode>, std::greater<>> ready_by_rank_;
-  std::uint64_t clock_;
-  NodeSequence sequence_;
+  const NodeSequence& sequence_;
+  std::vector<std::uint32_t> positions_;
 };
 
 }  // namespace
@@ -147,6 +47,7 @@ SequenceConstraints agreeing_edges(const EdgeRows& edges, std::span<const std::u
                                    std::span<const std::uint8_t> drawn, float least) {
   SequenceConstraints constraints;
   constraints.offsets.reserve(edges.offsets.size());
+  constraints.followers.reserve(edges.edge_count());
   constraints.offsets.push_back(0);
   for (NodeId front = 0; front < edges.node_count(); ++front) {
     for (std::uint32_t i = edges.offsets[front]; drawn[front] != 0 && i < edges.offsets[front + 1]; ++i) {
@@ -160,10 +61,52 @@ SequenceConstraints agreeing_edges(const EdgeRows& edges, std::span<const std::u
   return constraints;
 }
 
-NodeSequence cache_aware_sequence(const Mesh& mesh, const SequenceConstraints& constraints,
-                                  std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> drawn,
-                                  std::uint32_t cache_size) {
-  return Tipsifier(mesh, constraints, ranks, drawn, cache_size).run();
+SequenceConstraints without_implied(const SequenceConstraints& constraints,
+                                    std::span<const std::uint32_t> ranks,
+                                    std::span<const std::uint8_t> drawn) {
+  // Columns are followers by position, a block of them at a time; from the last node to the first, a follower
+  // is implied where a nearer one reaches it.
+  const NodeSequence sequence = rank_sequence(ranks, drawn);
+  const auto count = static_cast<std::uint32_t>(sequence.size());
+  const PositionRows rows(constraints, sequence);
+  std::vector<std::vector<std::uint32_t>> kept(count);
+  std::vector<std::uint64_t> reached;
+  std::array<std::uint64_t, kWords> marked{};
+  for (std::uint32_t begin = 0; begin < count; begin += kColumns) {
+    const std::uint32_t end = std::min(begin + kColumns, count);
+    reached.assign(std::size_t{end} * kWords, 0);
+    for (std::uint32_t i = end; i-- > 0;) {
+      std::uint64_t* const own = &reached[std::size_t{i} * kWords];
+      const auto reach_through = [&](std::uint32_t follower) {
+        const std::uint64_t* const more = &reached[std::size_t{follower} * kWords];
+        for (std::uint32_t w = 0; w < kWords; ++w) own[w] |= more[w];
+      };
+      for (const std::uint32_t follower : kept[i]) reach_through(follower);
+      marked.fill(0);
+      rows.mark(i, begin, marked);
+      for (std::uint32_t w = 0; w < kWords; ++w) {
+        while ((marked[w] & ~own[w]) != 0) {
+          const auto bit = static_cast<std::uint32_t>(std::countr_zero(marked[w] & ~own[w]));
+          const std::uint32_t follower = begin + 64 * w + bit;
+          kept[i].push_back(follower);
+          reach_through(follower);
+          own[w] |= std::uint64_t{1} << bit;
+        }
+      }
+    }
+  }
+  SequenceConstraints reduced;
+  reduced.offsets.assign(constraints.offsets.size(), 0);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    reduced.offsets[sequence[i] + 1] = static_cast<std::uint32_t>(kept[i].size());
+  }
+  for (std::size_t i = 1; i < reduced.offsets.size(); ++i) reduced.offsets[i] += reduced.offsets[i - 1];
+  reduced.followers.resize(reduced.offsets.back());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::transform(kept[i].begin(), kept[i].end(), reduced.followers.begin() + reduced.offsets[sequence[i]],
+                   [&](std::uint32_t position) { return sequence[position]; });
+  }
+  return reduced;
 }
 
 NodeSequence rank_sequence(std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> drawn) {
@@ -172,6 +115,62 @@ NodeSequence rank_sequence(std::span<const std::uint32_t> ranks, std::span<const
     if (drawn[node] != 0) sequence.push_back(node);
   }
   std::sort(sequence.begin(), sequence.end(), [&](NodeId a, NodeId b) { return ranks[a] < ranks[b]; });
+  return sequence;
+}
+
+double violated_weight_of(const EdgeRows& edges, std::span<const std::uint32_t> ranks,
+                          std::span<const std::uint8_t> drawn) {
+  double sum = 0;
+  for (NodeId front = 0; front < edges.node_count(); ++front) {
+    for (std::uint32_t i = edges.offsets[front]; drawn[front] != 0 && i < edges.offsets[front + 1]; ++i) {
+      const NodeId back = edges.backs[i];
+      if (drawn[back] != 0 && ranks[back] < ranks[front]) sum += static_cast<double>(edges.weights[i]);
+    }
+  }
+  return sum;
+}
+
+NodeSequence cache_aware_sequence(const Mesh& mesh, const EdgeRows& edges,
+                                  std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> drawn,
+                                  const SequenceOptions& options) {
+  const std::uint64_t triangles = mesh.triangles.size();
+  const NodeSequence by_rank = rank_sequence(ranks, drawn);
+  const auto constraints_of = [&](std::span<const std::uint32_t> order, float least) {
+    return without_implied(agreeing_edges(edges, order, drawn, least), order, drawn);
+  };
+  // A method's sequence, or the rank order where that has fewer misses.
+  const auto first_sequence = [&](const SequenceConstraints& constraints) {
+    const auto method = options.method == CacheMethod::tipsify ? tipsify : list_schedule;
+    NodeSequence sequence = method(mesh, constraints, ranks, drawn, options.cache_size);
+    const bool better =
+        fifo_misses(mesh, sequence, options.cache_size) <= fifo_misses(mesh, by_rank, options.cache_size);
+    return better ? sequence : by_rank;
+  };
+  if (options.method == CacheMethod::tipsify) {
+    return first_sequence(constraints_of(ranks, options.least_binding));
+  }
+
+  // Without the lightest constraints, then without heavier ones, until that costs more than the slack.
+  const double violated_by_ranks = violated_weight_of(edges, ranks, drawn);
+  NodeSequence sequence;
+  double used = 0;
+  for (float least = options.least_binding; least > 0 && used < kSlackToGoOn * options.slack;
+       least *= kNextLeast) {
+    const bool first = sequence.empty();
+    const SequenceConstraints binding = constraints_of(
+        first ? std::vector<std::uint32_t>(ranks.begin(), ranks.end()) : ranks_of(sequence, triangles),
+        least);
+    NodeSequence trial =
+        gather_visits(mesh, binding, first ? first_sequence(binding) : sequence, options.cache_size);
+    used = violated_weight_of(edges, ranks_of(trial, triangles), drawn) - violated_by_ranks;
+    if (used > options.slack) break;
+    sequence = std::move(trial);
+    if (binding.followers.empty()) break;
+  }
+  if (sequence.empty()) {
+    const SequenceConstraints all = constraints_of(ranks, 0);
+    sequence = gather_visits(mesh, all, first_sequence(all), options.cache_size);
+  }
   return sequence;
 }
 

@@ -86,6 +86,7 @@ std::string readable_name(const MethodReport& method) {
   if (name == "original") return "original order";
   if (name == "base") return "best single order";
   if (name == "cache_optimized") return "vertex cache order";
+  if (name == "cache_optimized_twins") return "the buffers in vertex cache order";
   if (name == "centroid_sort") return "centroid sort, every frame";
   if (name == "bsp") return "BSP walk, every frame";
   if (name == "dptl") return "presorted lists, plane tests";
@@ -174,6 +175,21 @@ std::string methods_table(const PrimitiveMeasureReport& primitive) {
   return text;
 }
 
+std::string caches_table(const PrimitiveMeasureReport& primitive) {
+  std::string text = "<div class=\"scroll\"><table><thead><tr><th>ACMR by cache</th>";
+  for (const ReportedCache& cache : kReportedCaches) {
+    text += fmt::format("<th>{} {}</th>", cache.model == CacheModel::fifo ? "FIFO" : "LRU", cache.size);
+  }
+  text += "</tr></thead><tbody>";
+  for (const MethodReport& method : primitive.methods) {
+    text += fmt::format("<tr{}><td>{}</td>", method.kind == MethodKind::orders ? " class=\"ours\"" : "",
+                        escape_html(readable_name(method)));
+    for (const double acmr : method.acmr_by_cache) text += fmt::format("<td>{}</td>", format_fixed(acmr, 3));
+    text += "</tr>";
+  }
+  return text + "</tbody></table></div>";
+}
+
 std::string methods_section(const HtmlReportInput& input) {
   std::string text =
       "<h2>Methods side by side</h2><p class=\"note\">A pixel is wrong when its fragments are not blended in "
@@ -187,7 +203,7 @@ std::string methods_section(const HtmlReportInput& input) {
       text += fmt::format("<h3 style=\"margin-top:24px\">{}, {} triangles</h3>", escape_html(primitive.name),
                           format_count(primitive.triangles));
     }
-    text += methods_table(primitive);
+    text += methods_table(primitive) + caches_table(primitive);
   }
   return text;
 }

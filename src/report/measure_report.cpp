@@ -24,6 +24,11 @@ Json json_of(const MethodReport& method) {
   json["acmr"] = method.fifo.acmr;
   json["acmr_drawn"] = method.fifo.acmr_drawn;
   json["acmr_lru"] = method.acmr_lru;
+  Json by_cache = Json::object();
+  for (std::size_t i = 0; i < kReportedCaches.size(); ++i) {
+    by_cache[std::string(kReportedCaches[i].name)] = method.acmr_by_cache[i];
+  }
+  json["acmr_by_cache"] = std::move(by_cache);
   json["atvr"] = method.atvr;
   json["overdraw"] = method.overdraw > 0 ? Json(method.overdraw) : Json(nullptr);
   json["buffer_count"] = method.buffers;
@@ -72,6 +77,9 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
         sum.plane_tests += method.plane_tests;
         sum.splits += method.splits;
         sum.acmr_lru += method.acmr_lru;
+        for (std::size_t i = 0; i < sum.acmr_by_cache.size(); ++i) {
+          sum.acmr_by_cache[i] += method.acmr_by_cache[i];
+        }
         sum.atvr += method.atvr;
         sum.overdraw += method.overdraw;
         into.ipr_mean += from.ipr_mean;
@@ -90,6 +98,7 @@ MethodReport pooled_method(const MeasureReport& report, const std::string& name)
   sum.fifo = pooled(fifo);
   if (count > 1) {
     sum.acmr_lru /= count;
+    for (double& acmr : sum.acmr_by_cache) acmr /= count;
     sum.atvr /= count;
     sum.overdraw /= count;
     sum.quality.ipr_mean /= count;
@@ -110,6 +119,21 @@ void add_row(TextTable& table, const MethodReport& method) {
                  format_bytes(method.memory_bytes + method.auxiliary_bytes),
                  method.build_seconds < 0 ? "-" : format_seconds(method.build_seconds),
                  format_nanoseconds(method.nanoseconds_per_frame)});
+}
+
+// What tuning for one cache costs with another.
+std::string cache_table(const PrimitiveMeasureReport& primitive) {
+  std::vector<std::string> header{"misses per triangle"};
+  for (const ReportedCache& cache : kReportedCaches) {
+    header.push_back(fmt::format("{} {}", cache.model == CacheModel::fifo ? "FIFO" : "LRU", cache.size));
+  }
+  TextTable table(header);
+  for (const MethodReport& method : primitive.methods) {
+    std::vector<std::string> row{method.quality.name};
+    for (const double acmr : method.acmr_by_cache) row.push_back(format_fixed(acmr, 3));
+    table.add_row(row);
+  }
+  return table.to_string();
 }
 
 }  // namespace
@@ -151,7 +175,7 @@ std::string to_text(const MeasureReport& report) {
     TextTable table({"method", "buffers", "wrong", "worst", "PSNR", "ACMR", "per drawn", "ATVR", "overdraw",
                      "memory", "build", "per frame"});
     for (const MethodReport& method : primitive.methods) add_row(table, method);
-    text += table.to_string();
+    text += table.to_string() + "\n" + cache_table(primitive);
     for (const std::string& note : primitive.notes) text += note + "\n";
     text += "\n";
   }

@@ -129,6 +129,7 @@ std::string to_json(const OrderReport& report) {
                      {"views", report.views},
                      {"distances", std::move(distances)},
                      {"cache", report.cache_size},
+                     {"cache_method", report.cache_method},
                      {"seed", report.seed},
                      {"buffer_count", buffers.size()},
                      {"buffers", buffers},

@@ -23,7 +23,8 @@ TEST(MeasureCommand, WritesTheKeysOfTheContract) {
                           "viewpoints", "size", "orders"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
-  for (const char* name : {"ordered", "original", "base", "cache_optimized", "centroid_sort"}) {
+  for (const char* name :
+       {"ordered", "original", "base", "cache_optimized", "cache_optimized_twins", "centroid_sort"}) {
     EXPECT_TRUE(json["orders"].contains(name)) << name;
   }
   EXPECT_EQ(json["viewpoints"], 6);

@@ -32,6 +32,24 @@ TEST(OrderCommand, WritesAFileThatHoldsTheOrdersAskedFor) {
   EXPECT_EQ(found["primitives"][0]["orders"]["partition"], "S0,1");
 }
 
+TEST(OrderCommand, TheCacheMethodIsKnownAndMatters) {
+  const TemporaryFolder folder;
+  const auto misses = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"--json", folder.file("out.json")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished done = run_pellucid(quick_order(samples().plain, folder.file("out.glb"), arguments));
+    EXPECT_EQ(done.code, 0) << done.err;
+    const nlohmann::json json = parse_json_file(folder.file("out.json"));
+    EXPECT_EQ(json["cache_method"], options.size() > 1 && options[1] == "tipsify" ? "tipsify" : "scheduled");
+    int sum = 0;
+    for (const auto& buffer : json["buffers"]) sum += buffer["misses"].get<int>();
+    return sum;
+  };
+  const int scheduled = misses({});
+  EXPECT_LT(scheduled, misses({"--cache-method", "tipsify"}));
+  EXPECT_LE(scheduled, misses({"--cache-slack", "0"}));
+}
+
 TEST(OrderCommand, IsSilentInAPipeWhenAllIsWell) {
   const TemporaryFolder folder;
   const Finished done = run_pellucid(quick_order(samples().plain, folder.file("out.glb"), {"--quiet"}));

@@ -110,7 +110,7 @@ TEST(WindowedSequence, IsARearrangementInsideWindowsThatKeepsTheEdges) {
   std::vector<std::uint8_t> drawn(nodes, 1);
   Random random(5);
   for (std::uint8_t& flag : drawn) flag = random.uniform(0, 1) < 0.8 ? 1 : 0;
-  const NodeSequence sequence = windowed_sequence(carried.mesh, known[0], ranks[0], drawn, 20);
+  const NodeSequence sequence = windowed_sequence(carried.mesh, known[0], ranks[0], drawn, {});
 
   std::vector<std::uint32_t> drawn_ranks;
   for (NodeId node = 0; node < nodes; ++node) {
@@ -124,7 +124,8 @@ TEST(WindowedSequence, IsARearrangementInsideWindowsThatKeepsTheEdges) {
     std::vector<std::uint32_t> here;
     for (std::size_t i = begin; i < end; ++i) here.push_back(ranks[0][sequence[i]]);
     std::sort(here.begin(), here.end());
-    EXPECT_TRUE(std::equal(here.begin(), here.end(), drawn_ranks.begin() + static_cast<std::ptrdiff_t>(begin)));
+    EXPECT_TRUE(
+        std::equal(here.begin(), here.end(), drawn_ranks.begin() + static_cast<std::ptrdiff_t>(begin)));
   }
   const std::vector<std::uint32_t> place = ranks_of(sequence, carried.mesh.triangles.size());
   for (const auto& [pair, weight] : testing::map_of(known[0])) {

@@ -66,6 +66,20 @@ TEST(Baselines, CacheOrderIsAPermutationEvenWithDuplicates) {
   EXPECT_TRUE(cache_optimized_sequence(Mesh{}).empty());
 }
 
+TEST(Baselines, CacheOrderOfTwinsHoldsTheSameNodes) {
+  const Mesh mesh = random_mesh(11, 60, 300);
+  NodeSequence nodes;
+  for (NodeId node = 0; node < 2 * mesh.triangles.size(); ++node) {
+    if (node % 3 != 0) nodes.push_back(node);
+  }
+  NodeSequence optimized = cache_optimized_nodes(mesh, nodes);
+  EXPECT_LT(sequence_statistics(mesh, optimized, CacheModel::fifo, 20).misses,
+            sequence_statistics(mesh, nodes, CacheModel::fifo, 20).misses);
+  std::sort(optimized.begin(), optimized.end());
+  EXPECT_EQ(optimized, nodes);
+  EXPECT_TRUE(cache_optimized_nodes(mesh, {}).empty());
+}
+
 TEST(Baselines, RanksHoldBothFacings) {
   const std::vector<std::uint32_t> ranks = ranks_of_triangles(std::vector<std::uint32_t>{2, 0}, 3);
   ASSERT_EQ(ranks.size(), 6U);
@@ -102,9 +116,15 @@ TEST(Baselines, MeasureListsOrdersFirstThenTheirRivals) {
       measure_subjects(std::span(&subject, 1), &mesh, "quad", settings, nullptr);
   std::vector<std::string> names;
   for (const MethodReport& method : report.methods) names.push_back(method.quality.name);
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"mine", "original", "base", "cache_optimized", "centroid_sort"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"mine", "original", "base", "cache_optimized",
+                                             "cache_optimized_twins", "centroid_sort"}));
   for (const MethodReport& method : report.methods) {
+    for (std::size_t i = 0; i < kReportedCaches.size(); ++i) {
+      if (kReportedCaches[i].name == "fifo20") {
+        EXPECT_EQ(method.acmr_by_cache[i], method.fifo.acmr);
+      }
+      EXPECT_GE(method.acmr_by_cache[i], 0.5) << kReportedCaches[i].name;
+    }
     EXPECT_EQ(method.quality.ipr_mean, 0.0) << method.quality.name;
     EXPECT_EQ(method.quality.frames.size(), 8U) << method.quality.name;
   }
@@ -124,8 +144,8 @@ TEST(Baselines, AllRivalsDrawAFlatMeshRight) {
   const PrimitiveMeasureReport report =
       measure_subjects(std::span(&subject, 1), nullptr, "quad", settings, nullptr);
   EXPECT_TRUE(report.notes.empty());
-  ASSERT_EQ(report.methods.size(), 6U);
-  const MethodReport& lists = report.methods[4];
+  ASSERT_EQ(report.methods.size(), 7U);
+  const MethodReport& lists = report.methods[5];
   EXPECT_EQ(lists.quality.name, "dptl");
   EXPECT_EQ(lists.quality.ipr_mean, 0.0);
   EXPECT_EQ(lists.buffers, 6U);
@@ -133,7 +153,7 @@ TEST(Baselines, AllRivalsDrawAFlatMeshRight) {
   EXPECT_EQ(lists.auxiliary_bytes, lists.fifo.triangles * 16 + 20);
   EXPECT_EQ(lists.memory_bytes, lists.fifo.triangles * 6);
   EXPECT_GE(lists.build_seconds, 0.0);
-  const MethodReport& walk = report.methods[5];
+  const MethodReport& walk = report.methods[6];
   EXPECT_EQ(walk.quality.name, "bsp");
   EXPECT_EQ(walk.quality.ipr_mean, 0.0);
   EXPECT_EQ(walk.splits, 0U);

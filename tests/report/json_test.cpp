@@ -64,6 +64,7 @@ TEST(JsonContract, Measure) {
   expect_keys(json["ipr"], {"mean", "max"});
   expect_keys(json["psnr"], {"mean", "min"});
   expect_keys(json["by_distance"][0], {"distance", "ipr", "psnr"});
+  expect_keys(json["acmr_by_cache"], {"fifo16", "fifo20", "fifo32", "lru16", "lru32"});
   expect_keys(json["orders"], {"a", "original", "centroid_sort"});
   expect_keys(json["orders"]["a"],
               {"memory_bytes", "auxiliary_bytes", "build_seconds", "nanoseconds_per_frame",
@@ -79,11 +80,14 @@ TEST(JsonContract, SeveralPrimitivesArePooled) {
   report.primitives[1].methods[0].quality.ipr_mean = 0.03;
   report.primitives[1].methods[0].quality.ipr_max = 0.5;
   report.primitives[1].methods[0].quality.psnr_min = 12;
+  report.primitives[0].methods[0].acmr_by_cache[1] = 0.5;
+  report.primitives[1].methods[0].acmr_by_cache[1] = 0.7;
   const Json json = Json::parse(to_json(report));
   EXPECT_DOUBLE_EQ(json["ipr"]["mean"].get<double>(), 0.02);
   EXPECT_DOUBLE_EQ(json["ipr"]["max"].get<double>(), 0.5);
   EXPECT_DOUBLE_EQ(json["psnr"]["min"].get<double>(), 12);
   EXPECT_EQ(json["buffer_count"], 4);
+  EXPECT_DOUBLE_EQ(json["acmr_by_cache"]["fifo20"].get<double>(), 0.6);
   EXPECT_EQ(json["primitives"].size(), 2U);
 }
 

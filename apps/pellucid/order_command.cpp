@@ -361,7 +361,7 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
       ->group("Method");
   command
       .add_option("--upsample-from", order.upsample_from,
-                  "Order N triangles, carry that over to all (0: never; default: from 20000 above 60000)")
+                  "Order N triangles, carry that over to all (0: never; default: from 10000 above 24000)")
       ->type_name("N")
       ->group("Method");
   command

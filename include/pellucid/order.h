@@ -130,7 +130,7 @@ struct OrderOptions {
   std::uint32_t fruitless_rounds = 5;                  // acyclic: relaxation stops after so many
 
   // Section 5: order the mesh simplified to so many triangles, carry the order over to all, and repair it
-  // there. 0: never. Unset: above 60,000 triangles, from 20,000.
+  // there. 0: never. Unset: above 24,000 triangles, from 10,000.
   std::optional<std::uint32_t> upsample_from;
   std::uint32_t refine_rounds = 1;  // of that repair; 0: none, the paper's form
 

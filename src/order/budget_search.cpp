@@ -20,9 +20,6 @@ constexpr std::uint32_t kFineRounds = 2;   // rounds on the full mesh
 constexpr float kLight = 1e-6F;            // mean square radii: left out of all fine rounds but the last
 // The full mesh's error over the coarse mesh's, before any is known: finer triangles leave less to get wrong.
 constexpr double kFinePerCoarse = 0.4;
-// One buffer less is worth a try on the full mesh when it is expected to miss the error by no more than this
-// factor.
-constexpr double kNearMiss = 1.25;
 // One more buffer is worth its memory when it lowers the error to this share; so many in vain end the search.
 constexpr double kWorthwhile = 0.9;
 constexpr std::uint32_t kPatience = 3;
@@ -30,10 +27,7 @@ constexpr std::uint32_t kPatience = 3;
 class BudgetSearch {
  public:
   BudgetSearch(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options)
-      : coarse_(coarse),
-        fine_(fine),
-        options_(options),
-        fine_per_coarse_(same_mesh() ? 1.0 : kFinePerCoarse) {
+      : coarse_(coarse), fine_(fine), options_(options) {
     if (!same_mesh()) coarse_nodes_ = nearest_coarse_nodes(*fine.mesh, *coarse.mesh);
   }
 
@@ -45,7 +39,7 @@ class BudgetSearch {
 
     BudgetResult best = solve_fine(count);
     if (best.measured_error <= options_.max_error) {
-      while (count > options_.min_buffers && expected_error(count - 1) <= kNearMiss * options_.max_error) {
+      while (count > options_.min_buffers && expected_error(count - 1) <= options_.max_error) {
         BudgetResult fewer = solve_fine(--count);
         if (fewer.measured_error > options_.max_error) break;
         best = std::move(fewer);
@@ -85,8 +79,13 @@ class BudgetSearch {
     return best;
   }
 
-  // What the coarse solution lets us expect of the full mesh.
-  double expected_error(std::uint32_t count) { return fine_per_coarse_ * coarse_error(count); }
+  // What the coarse solution lets us expect of the full mesh: where that was measured for another count, in
+  // proportion to the violated weights.
+  double expected_error(std::uint32_t count) {
+    const double at_known_count = known_count_ == 0 ? 0 : solve_coarse(known_count_).violated;
+    if (at_known_count > 0) return known_error_ * solve_coarse(count).violated / at_known_count;
+    return (same_mesh() ? 1.0 : kFinePerCoarse) * coarse_error(count);
+  }
 
   double coarse_error(std::uint32_t count) {
     const auto known = coarse_errors_.find(count);
@@ -135,7 +134,8 @@ class BudgetSearch {
       result.clustering = improve_clustering(fine_.graph, std::move(start), options);
     }
     result.measured_error = error_of(fine_, result.clustering);
-    if (coarse_error(count) > 0) fine_per_coarse_ = result.measured_error / coarse_error(count);
+    known_count_ = count;
+    known_error_ = result.measured_error;
     return result;
   }
 
@@ -160,7 +160,8 @@ class BudgetSearch {
   std::vector<NodeId> coarse_nodes_;
   std::map<std::uint32_t, Clustering> coarse_solutions_;
   std::map<std::uint32_t, double> coarse_errors_;
-  double fine_per_coarse_;  // a guess, until a full solution has been measured
+  std::uint32_t known_count_ = 0;  // the last that was solved on the full mesh; 0: none yet
+  double known_error_ = 0;
 };
 
 }  // namespace

@@ -22,10 +22,10 @@ namespace {
 // The authors' slack for the acyclic method, bounding radii: without one, overlaps that no pixel shows forbid
 // sharing.
 constexpr double kAcyclicTolerance = 0.003;
-// Above this many triangles the occlusion graph of S[2,2] outgrows a workstation: order a simplified mesh and
-// upsample.
-constexpr std::uint32_t kMostDirectTriangles = 60000;
-constexpr std::uint32_t kUpsampleFrom = 20000;
+// Above this many triangles the occlusion graph of S[2,2] takes many gigabytes and minutes: order a simpler
+// mesh and upsample.
+constexpr std::uint32_t kMostDirectTriangles = 24000;
+constexpr std::uint32_t kUpsampleFrom = 10000;
 // Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a
 // pixel of a 1024 x 1024 picture. They are counted (pruned weight) but not kept.
 constexpr float kLeastWeight = 3e-7F;

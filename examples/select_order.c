@@ -13,7 +13,7 @@ int main(void) {
                                  .level = 0,
                                  .center = {0, 0, 0},
                                  .radius = 1.0,
-                                 .min_distance = 1.5,
+                                 .min_distance = 1,
                                  .max_distance = HUGE_VAL,
                                  .cell_orders = cell_orders,
                                  .cell_order_bytes = 1,

@@ -23,19 +23,6 @@ const char* name_of(Facing facing) {
   return facing == Facing::single ? "single" : "duplicated";
 }
 
-Json json_of(const MeshReport& check) {
-  return {{"vertices", check.vertices},
-          {"triangles", check.triangles},
-          {"out_of_range", check.out_of_range},
-          {"non_finite", check.non_finite},
-          {"degenerate", check.degenerate},
-          {"duplicate", check.duplicate},
-          {"unreferenced_vertices", check.unreferenced_vertices},
-          {"boundary_edges", check.boundary_edges},
-          {"non_manifold_edges", check.non_manifold_edges},
-          {"closed", check.closed()}};
-}
-
 Json json_of(const Primitive& primitive) {
   if (!primitive.orders) return nullptr;
   const OrderSet& orders = *primitive.orders;

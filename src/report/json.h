@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "pellucid/mesh.h"
+
 namespace pellucid {
 
 using Json = nlohmann::ordered_json;
@@ -13,6 +15,19 @@ constexpr int kJsonSchema = 1;
 // JSON has no infinity: it is written as the text "inf".
 inline Json json_distance(double distance) {
   return std::isinf(distance) ? Json("inf") : Json(distance);
+}
+
+inline Json json_of(const MeshReport& check) {
+  return {{"vertices", check.vertices},
+          {"triangles", check.triangles},
+          {"out_of_range", check.out_of_range},
+          {"non_finite", check.non_finite},
+          {"degenerate", check.degenerate},
+          {"duplicate", check.duplicate},
+          {"unreferenced_vertices", check.unreferenced_vertices},
+          {"boundary_edges", check.boundary_edges},
+          {"non_manifold_edges", check.non_manifold_edges},
+          {"closed", check.closed()}};
 }
 
 // Names come from files: bytes that are not UTF-8 become replacement characters.

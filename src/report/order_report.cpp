@@ -7,17 +7,6 @@
 namespace pellucid {
 namespace {
 
-Json json_of(const MeshReport& check) {
-  return {{"out_of_range", check.out_of_range},
-          {"non_finite", check.non_finite},
-          {"degenerate", check.degenerate},
-          {"duplicate", check.duplicate},
-          {"unreferenced_vertices", check.unreferenced_vertices},
-          {"boundary_edges", check.boundary_edges},
-          {"non_manifold_edges", check.non_manifold_edges},
-          {"closed", check.closed()}};
-}
-
 Json json_of(const BufferStatistics& buffer) {
   return {{"triangles", buffer.triangles},
           {"acmr", buffer.acmr},

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "pellucid/metric.h"
+#include "raster/raster_helpers.h"
 
 namespace pellucid::testing {
 
@@ -26,23 +27,7 @@ inline Mesh two_quads() {
 
 // Sees [-1, 1]^2 from z = 1 along -z; depth = (1 - z) / 2.
 inline Camera front_camera(std::uint32_t size) {
-  Camera camera;
-  camera.eye = {0, 0, 1};
-  camera.right = {1, 0, 0};
-  camera.up = {0, 1, 0};
-  camera.forward = {0, 0, -1};
-  camera.perspective = false;
-  camera.half_height = 1;
-  camera.near_plane = 0;
-  camera.far_plane = 2;
-  camera.width = camera.height = size;
-  return camera;
-}
-
-inline FragmentBuffer fragments_of(const Mesh& mesh, const Camera& camera) {
-  FragmentBuffer buffer;
-  rasterize(mesh, camera, {}, buffer);
-  return buffer;
+  return front_camera(size, size);
 }
 
 inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed) {

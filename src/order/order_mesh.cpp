@@ -239,8 +239,10 @@ class Orderer {
     refine.distances = options_.distances;
     refine.front_only = options_.facing == Facing::single;
     refine.progress = options_.progress;
-    const std::vector<EdgeRows> known =
-        refine_orders(mesh_, full.sphere, options_.partition, cluster_of, refine, ranks);
+    std::vector<EdgeRows> known;
+    if (refine.rounds > 0) {
+      known = refine_orders(mesh_, full.sphere, options_.partition, cluster_of, refine, ranks);
+    }
     if (options_.method == OrderMethod::budget) {
       result_.statistics.measured_error = measure_incorrect_pixels(
           mesh_, full.sphere, full.partition, cluster_of, ranks,

@@ -1,8 +1,8 @@
 // Repair of orders that were carried from a simplified mesh to the full one: multi-resolution ordering.
 //
 // The occlusion graphs of all cells of a large mesh do not fit in memory, and need not: a carried order is
-// right for nearly all pairs. Only those matter that are wrong, or so near in the order that a repair could
-// make them wrong. These are looked for from the samples of every cluster, by raster, and sifted.
+// right for nearly all pairs. Nodes that are in a wrong order from some sample of their cluster are looked
+// for by raster; only they may move, and all that they meet in the rasters is known when they are sifted.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,12 @@ struct RefineOptions {
   Progress* progress = nullptr;
 };
 
-// Ranks nearer than this are known pairs, for a mesh of so many nodes.
+// Ranks, for a mesh of so many nodes: a sequence is rearranged for the vertex cache within runs of so many.
 std::uint32_t refine_window(std::uint64_t node_count);
 
-// Improve `ranks` (per cluster, per node: permutations) in place. Returns every cluster's known edges: of the
-// pairs seen, those in the wrong order or within refine_window() of each other before the last repair.
-// O(rounds * samples * (pixels + triangles)); memory: the known edges, 16 bytes each while they are
-// collected.
+// Improve `ranks` (per cluster, per node: permutations) in place. Returns per cluster the edges that agree
+// with the final ranks and span less than refine_window() of them: what binds windowed_sequence(). O((2
+// rounds + 1) * samples * (pixels + triangles)); memory: the edges of one pass, 16 bytes each.
 std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphere,
                                     const PartitionSpec& partition,
                                     const std::vector<std::uint32_t>& cluster_of,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <ranges>
 #include <set>
 
 namespace pellucid {
@@ -215,8 +214,8 @@ void DocumentEditor::pop_last(const char* array) {
 
 void DocumentEditor::pop_accessors(const std::vector<std::uint64_t>& removable) {
   std::set<std::uint64_t> views;
-  for (const std::uint64_t last : std::views::reverse(removable)) {
-    if (last + 1 != size_of(document_.json, "accessors")) break;
+  for (auto last = removable.rbegin(); last != removable.rend(); ++last) {
+    if (*last + 1 != size_of(document_.json, "accessors")) break;
     for_each_index(document_.json["accessors"].back(), "bufferView",
                    [&](std::uint64_t view) { views.insert(view); });
     pop_last("accessors");
@@ -230,8 +229,8 @@ void DocumentEditor::pop_accessors(const std::vector<std::uint64_t>& removable) 
 
 void DocumentEditor::pop_views(const std::vector<std::uint64_t>& removable) {
   std::vector<Json> popped;
-  for (const std::uint64_t last : std::views::reverse(removable)) {
-    if (last + 1 != size_of(document_.json, "bufferViews")) break;
+  for (auto last = removable.rbegin(); last != removable.rend(); ++last) {
+    if (*last + 1 != size_of(document_.json, "bufferViews")) break;
     popped.push_back(document_.json["bufferViews"].back());
     pop_last("bufferViews");
   }
@@ -282,9 +281,9 @@ void DocumentEditor::cut_off(const std::vector<Json>& popped_views) {
 
 // Buffers that held nothing but orders are empty now.
 void DocumentEditor::pop_buffers(const std::vector<std::uint64_t>& removable) {
-  for (const std::uint64_t last : std::views::reverse(removable)) {
-    const GltfBuffer& buffer = document_.buffers[last];
-    if (last + 1 != document_.buffers.size() || used_end(last) > 0) return;
+  for (auto last = removable.rbegin(); last != removable.rend(); ++last) {
+    const GltfBuffer& buffer = document_.buffers[*last];
+    if (*last + 1 != document_.buffers.size() || used_end(*last) > 0) return;
     if (buffer.bytes != nullptr && !buffer.bytes->empty()) return;
     document_.buffers.pop_back();
     owned_.resize(std::min(owned_.size(), document_.buffers.size()));

@@ -56,7 +56,7 @@ class AcyclicClustering {
       cell_edges_[cell] = edges_of_cell(table_, graph_.cells[cell]);
       Cluster& cluster = clusters_[cell];
       if (!topological_ranks(table_, cell_edges_[cell], cluster.ranks)) {
-        break_cycles(graph_.cells[cell], cell_edges_[cell], dropped[cell], dropped_weight[cell]);
+        break_cycles(graph_.cells[cell].expanded(), cell_edges_[cell], dropped[cell], dropped_weight[cell]);
         topological_ranks(table_, cell_edges_[cell], cluster.ranks);
       }
       cell_edges_[cell] = without_shortcuts(table_, cell_edges_[cell]);

@@ -28,20 +28,18 @@ RankTable interleave(const std::vector<std::vector<std::uint32_t>>& ranks) {
   return table;
 }
 
-void add_violations(const EdgeRows& rows, const RankTable& table, double* costs) {
+void add_violations(const CompactRows& rows, const RankTable& table, double* costs) {
   const std::uint32_t orders = table.order_count;
   std::vector<float> row_costs(orders);
   for (NodeId node = 0; node < rows.node_count(); ++node) {
-    if (rows.offsets[node] == rows.offsets[node + 1]) continue;
     const std::uint32_t* front = &table.ranks[std::size_t{node} * orders];
     std::fill(row_costs.begin(), row_costs.end(), 0.0F);
-    for (std::uint32_t i = rows.offsets[node]; i < rows.offsets[node + 1]; ++i) {
-      const std::uint32_t* back = &table.ranks[std::size_t{rows.backs[i]} * orders];
-      const float weight = rows.weights[i];
+    rows.for_each(node, [&](NodeId back_node, float weight) {
+      const std::uint32_t* back = &table.ranks[std::size_t{back_node} * orders];
       for (std::uint32_t order = 0; order < orders; ++order) {
         row_costs[order] += front[order] > back[order] ? weight : 0.0F;
       }
-    }
+    });
     for (std::uint32_t order = 0; order < orders; ++order)
       costs[order] += static_cast<double>(row_costs[order]);
   }

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
-#include <ranges>
 
 namespace pellucid {
 namespace {
@@ -84,9 +83,8 @@ EdgeTable make_edge_table(const OcclusionGraph& graph) {
   std::vector<std::vector<NodeId>> rows(graph.node_count);
   tbb::parallel_for(std::uint32_t{0}, graph.node_count, [&](NodeId front) {
     std::vector<NodeId>& row = rows[front];
-    for (const EdgeRows& cell : graph.cells) {
-      row.insert(row.end(), cell.backs.begin() + cell.offsets[front],
-                 cell.backs.begin() + cell.offsets[front + 1]);
+    for (const CompactRows& cell : graph.cells) {
+      cell.for_each(front, [&](NodeId back, float) { row.push_back(back); });
     }
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
@@ -113,17 +111,19 @@ EdgeTable make_edge_table(const OcclusionGraph& graph) {
   return table;
 }
 
-EdgeSet edges_of_cell(const EdgeTable& table, const EdgeRows& cell) {
+EdgeSet edges_of_cell(const EdgeTable& table, const CompactRows& cell) {
   EdgeSet set;
-  set.rows = cell.offsets;
-  set.ids.reserve(cell.backs.size());
+  set.rows.reserve(cell.node_count() + 1);
+  set.rows.push_back(0);
+  set.ids.reserve(cell.edge_count());
   for (NodeId front = 0; front < cell.node_count(); ++front) {
     // Both rows are sorted by back node.
     std::uint32_t id = table.row_ids[front];
-    for (std::uint32_t i = cell.offsets[front]; i < cell.offsets[front + 1]; ++i) {
-      while (table.backs[id] != cell.backs[i]) ++id;
+    cell.for_each(front, [&](NodeId back, float) {
+      while (table.backs[id] != back) ++id;
       set.ids.push_back(id);
-    }
+    });
+    set.rows.push_back(static_cast<std::uint32_t>(set.ids.size()));
   }
   return set;
 }
@@ -249,7 +249,8 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
   for (std::uint32_t i = begin; i < end; ++i) {
     if (!search.seen(sequence[i])) ranks[sequence[i]] = rank++;
   }
-  for (const NodeId node : search.finished() | std::views::reverse) ranks[node] = rank++;
+  const std::vector<NodeId>& finished = search.finished();
+  for (auto node = finished.rbegin(); node != finished.rend(); ++node) ranks[*node] = rank++;
   return true;
 }
 

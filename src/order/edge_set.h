@@ -24,7 +24,7 @@ struct EdgeSet {
   std::vector<std::uint32_t> ids;
   [[nodiscard]] std::uint64_t size() const { return ids.size(); }
 };
-EdgeSet edges_of_cell(const EdgeTable& table, const EdgeRows& cell);
+EdgeSet edges_of_cell(const EdgeTable& table, const CompactRows& cell);
 // Without the edges that a path of two others implies: fewer edges, the same orders. `edges` must be acyclic.
 // O(sum of the out-degrees of all followers).
 EdgeSet without_shortcuts(const EdgeTable& table, const EdgeSet& edges);

@@ -28,20 +28,20 @@ EdgeRows transposed(const EdgeRows& edges) {
   return out;
 }
 
-constexpr double kStep = 0.25;  // ranks
-
 class Sifter {
  public:
-  Sifter(const PairWishes& wishes, std::span<const std::uint8_t> movable, std::vector<std::uint32_t>& ranks)
+  Sifter(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks)
       : wishes_(wishes),
-        movable_(movable),
+        movable_(options.movable),
+        step_(options.step),
         ranks_(ranks),
         positions_(ranks.begin(), ranks.end()),
         sequence_(ranks.size()),
-        unsettled_(ranks.size(), 1) {}
+        unsettled_(ranks.size(), 1),
+        violated_(ranks.size(), 0) {}
 
   // Give every node, front to back, the best place among its neighbours. Returns the weight saved. A node is
-  // looked at again only after it or a neighbour moved.
+  // looked at again only after a neighbour passed it, or moved while something was left to gain.
   double sweep() {
     for (NodeId node = 0; node < ranks_.size(); ++node) sequence_[ranks_[node]] = node;
     for (NodeId node = 0; node < ranks_.size(); ++node) positions_[node] = ranks_[node];
@@ -79,7 +79,8 @@ class Sifter {
         last = std::max(last, there);
       }
     }
-    if (first == here && last == here) return 0;
+    violated_[node] = first != here || last != here ? 1 : 0;
+    if (violated_[node] == 0) return 0;
 
     before_.clear();
     after_.clear();
@@ -107,8 +108,18 @@ class Sifter {
     const Place& best = forward.gain >= backward.gain ? forward : backward;
     if (best.gain <= 0) return 0;
     positions_[node] = best.position;
-    for (std::uint32_t i = begin; i < end; ++i) unsettled_[wishes_.neighbors[i]] = 1;
+    unsettle_neighbors(node, std::min(here, best.position), std::max(here, best.position));
     return best.gain;
+  }
+
+  // Neighbours that a move passed may be violated now; others only if they were before.
+  void unsettle_neighbors(NodeId node, double passed_from, double passed_to) {
+    for (std::uint32_t i = wishes_.offsets[node]; i < wishes_.offsets[node + 1]; ++i) {
+      const NodeId neighbor = wishes_.neighbors[i];
+      const double there = positions_[neighbor];
+      const bool passed = passed_from <= there && there <= passed_to;
+      if (passed || violated_[neighbor] != 0) unsettled_[neighbor] = 1;
+    }
   }
 
   struct Place {
@@ -118,16 +129,15 @@ class Sifter {
 
   // Pass the neighbours one by one; the best gap lies between the last one passed and the next (`beyond`
   // after the last).
-  static Place best_place(const std::vector<Neighbor>& passed, float sign, double beyond) {
+  [[nodiscard]] Place best_place(const std::vector<Neighbor>& passed, float sign, double beyond) const {
     Place best;
     double gain = 0;
     for (std::size_t i = 0; i < passed.size(); ++i) {
       gain -= static_cast<double>(sign * passed[i].weight);
       if (gain > best.gain) {
         const double next = i + 1 < passed.size() ? passed[i + 1].position : beyond;
-        // Close behind the one passed: other nodes may lie in the gap whose wishes are not known.
-        const double step = 0.5 * (next - passed[i].position);
-        best = {gain, passed[i].position + std::clamp(step, -kStep, kStep)};
+        const double middle = 0.5 * (next - passed[i].position);
+        best = {gain, passed[i].position + std::clamp(middle, -step_, step_)};
       }
     }
     return best;
@@ -135,10 +145,12 @@ class Sifter {
 
   const PairWishes& wishes_;
   std::span<const std::uint8_t> movable_;
+  double step_;
   std::vector<std::uint32_t>& ranks_;
   std::vector<double> positions_;  // ranks, and fractions between them for nodes that moved in this sweep
   std::vector<NodeId> sequence_;
   std::vector<std::uint8_t> unsettled_;
+  std::vector<std::uint8_t> violated_;  // some wish of the node was violated when it was last looked at
   std::vector<Neighbor> before_, after_;
 };
 
@@ -194,7 +206,7 @@ double violated_weight(const PairWishes& wishes, std::span<const std::uint32_t> 
 double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks) {
   const double before = violated_weight(wishes, ranks);
   std::vector<std::uint32_t> trial = ranks;
-  Sifter sifter(wishes, options.movable, trial);
+  Sifter sifter(wishes, options, trial);
   double left = before;
   for (std::uint32_t sweep = 0; sweep < options.sweeps && left > 0; ++sweep) {
     const double saved = sifter.sweep();

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct SiftOptions {
   double least_gain = 0.01;
   // Nodes that may move (one flag a node); empty: all. The others' wishes need not be complete.
   std::span<const std::uint8_t> movable;
+  // A node lands at most so many ranks behind the one it passes, else in the middle of the gap. Where other
+  // nodes may lie in the gap whose wishes are not known, it should be close.
+  double step = std::numeric_limits<double>::infinity();
 };
 // Improve `ranks` (a permutation of 0 .. nodes - 1) in place; never makes it worse. Returns the violated
 // weight. O(edges) a sweep, plus sorting of what violated nodes look at.

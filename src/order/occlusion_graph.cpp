@@ -101,7 +101,7 @@ class GraphBuilder {
     }
   }
 
-  void unite_cell(std::uint32_t cell, EdgeRows& rows, double& weight, double& pruned) {
+  void unite_cell(std::uint32_t cell, CompactRows& compact, double& weight, double& pruned) {
     std::vector<const ViewpointEdges*> views;
     for (const std::uint32_t sample : partition_.samples_of(cell)) {
       for (std::size_t d = 0; d < views_per_sample_; ++d) views.push_back(&views_[view_index(sample, d)]);
@@ -109,6 +109,7 @@ class GraphBuilder {
     const float scale = 1.0F / static_cast<float>(views.size());
     RowAccumulator& accumulator = accumulators_.local();
     const std::size_t triangle_count = scene_.mesh.triangles.size();
+    EdgeRows rows;
     rows.offsets.reserve(2 * triangle_count + 1);
     rows.offsets.push_back(0);
     for (std::uint32_t t = 0; t < triangle_count; ++t) {
@@ -122,8 +123,7 @@ class GraphBuilder {
         pruned += accumulator.flush(rows, options_.least_weight);
       }
     }
-    rows.backs.shrink_to_fit();
-    rows.weights.shrink_to_fit();
+    compact = CompactRows(rows);
     weight = pruned + std::accumulate(rows.weights.begin(), rows.weights.end(), 0.0);
   }
 
@@ -148,6 +148,41 @@ class GraphBuilder {
 };
 
 }  // namespace
+
+CompactRows::CompactRows(const EdgeRows& rows) : edge_count_(rows.edge_count()) {
+  offsets_.reserve(rows.offsets.size());
+  words_.reserve(rows.edge_count());
+  offsets_.push_back(0);
+  for (NodeId front = 0; front < rows.node_count(); ++front) {
+    NodeId previous = 0;
+    for (std::uint32_t i = rows.offsets[front]; i < rows.offsets[front + 1]; ++i) {
+      NodeId distance = rows.backs[i] - previous;
+      for (; distance > kDistanceMask; distance -= kDistanceMask) words_.push_back(kDistanceMask);
+      // To the nearest; finite floats cannot overflow here, and no weight becomes zero.
+      const std::uint32_t bits = std::bit_cast<std::uint32_t>(rows.weights[i]) + 0x8000U;
+      words_.push_back((bits & ~kDistanceMask) | distance);
+      previous = rows.backs[i];
+    }
+    offsets_.push_back(static_cast<std::uint32_t>(words_.size()));
+  }
+  words_.shrink_to_fit();
+}
+
+EdgeRows CompactRows::expanded() const {
+  EdgeRows rows;
+  rows.offsets.reserve(offsets_.size());
+  rows.backs.reserve(edge_count_);
+  rows.weights.reserve(edge_count_);
+  rows.offsets.push_back(0);
+  for (NodeId front = 0; front < node_count(); ++front) {
+    for_each(front, [&](NodeId back, float weight) {
+      rows.backs.push_back(back);
+      rows.weights.push_back(weight);
+    });
+    rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
+  }
+  return rows;
+}
 
 double RowAccumulator::flush(EdgeRows& rows, float least) {
   double left_out = 0;
@@ -190,10 +225,7 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
     const std::uint32_t end = std::min((block + 1) * kRowsPerBlock, graph.node_count);
     for (NodeId node = block * kRowsPerBlock; node < end; ++node) {
       for (const std::uint32_t cell : cells) {
-        const EdgeRows& rows = graph.cells[cell];
-        const std::uint32_t first = rows.offsets[node];
-        const std::uint32_t count = rows.offsets[node + 1] - first;
-        accumulator.add({rows.backs.data() + first, count}, {rows.weights.data() + first, count}, 1.0F);
+        graph.cells[cell].for_each(node, [&](NodeId back, float weight) { accumulator.add(back, weight); });
       }
       accumulator.flush(parts[block], least);
     }

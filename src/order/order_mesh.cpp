@@ -162,7 +162,7 @@ class Orderer {
     statistics.viewpoints = graph.viewpoint_count;
     statistics.edges_per_viewpoint =
         graph.viewpoint_count == 0 ? 0 : graph.viewpoint_edges / graph.viewpoint_count;
-    for (const EdgeRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
+    for (const CompactRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
     statistics.intersecting_pairs = graph.intersecting;
   }
 

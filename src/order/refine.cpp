@@ -17,6 +17,10 @@
 namespace pellucid {
 namespace {
 
+// Nodes lie between those that a moved one passes whose wishes about it are not known: it lands this close
+// behind the last one passed, ranks.
+constexpr double kStep = 0.25;
+
 constexpr std::uint32_t kViewsPerBatch = 16;
 // Edges of a cluster are merged when this many have come together.
 constexpr std::size_t kMostPending = std::size_t{1} << 24U;
@@ -110,6 +114,7 @@ class Refiner {
         stop_if_requested(options_.progress);
         SiftOptions options;
         options.movable = movable[cluster];
+        options.step = kStep;
         sift(net_wishes(known[cluster]), options, ranks_[cluster]);
       });
     }

@@ -33,7 +33,7 @@ std::uint64_t violated_edges(const OrderProblem& problem, const Clustering& clus
   const EdgeTable table = make_edge_table(problem.graph);
   std::uint64_t count = 0;
   for (std::uint32_t cell = 0; cell < problem.graph.cells.size(); ++cell) {
-    const EdgeRows& edges = problem.graph.cells[cell];
+    const CompactRows& edges = problem.graph.cells[cell];
     const std::vector<std::uint32_t>& ranks = clustering.ranks[clustering.cluster_of[cell]];
     std::uint64_t here = 0;
     for (const auto& [pair, weight] : testing::map_of(edges))

@@ -29,7 +29,7 @@ OcclusionGraph graph_of(std::uint32_t nodes, const std::vector<Pairs>& cells) {
   for (const Pairs& cell : cells) {
     EdgeMap edges;
     for (const auto& pair : cell) edges[pair] = 1;
-    graph.cells.push_back(testing::rows_of(nodes, edges));
+    graph.cells.emplace_back(testing::rows_of(nodes, edges));
   }
   return graph;
 }
@@ -85,7 +85,7 @@ TEST(EdgeSet, UnionAndIntersectionAreThoseOfSets) {
     const OcclusionGraph graph = graph_of(nodes, cells);
     const EdgeTable table = make_edge_table(graph);
     std::vector<EdgeSet> sets;
-    for (const EdgeRows& cell : graph.cells) sets.push_back(edges_of_cell(table, cell));
+    for (const CompactRows& cell : graph.cells) sets.push_back(edges_of_cell(table, cell));
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(pairs_of(table, sets[i]), cells[i]);
 
     EXPECT_EQ(pairs_of(table, unite(sets[0], sets[1])), united(cells[0], cells[1]));

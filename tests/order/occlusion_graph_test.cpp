@@ -43,6 +43,29 @@ EdgeMap mean_of_samples(const Mesh& mesh, const ViewPartition& partition, std::u
   return sum;
 }
 
+constexpr double kWeightError = 1.0 / 256;  // of CompactRows, relative
+
+TEST(CompactRows, HoldWhatTheyAreMadeOf) {
+  Random random(7);
+  // More nodes than one step of the lower half bridges; rows that begin, end and jump anywhere.
+  const std::uint32_t nodes = 300000;
+  EdgeMap edges;
+  for (int i = 0; i < 4000; ++i) {
+    const auto front = static_cast<NodeId>(random.below(40));
+    edges[{front, static_cast<NodeId>(random.below(nodes))}] = std::pow(10.0, random.uniform(-9, 1));
+  }
+  for (const NodeId back : {0U, 0xFFFEU, 0xFFFFU, 0x10000U, 0x1FFFEU, nodes - 1}) edges[{50, back}] = 0.5;
+  const CompactRows compact(testing::rows_of(nodes, edges));
+  EXPECT_EQ(compact.node_count(), nodes);
+  EXPECT_EQ(compact.edge_count(), edges.size());
+  const EdgeMap found = testing::map_of(compact);
+  ASSERT_EQ(found.size(), edges.size());
+  for (const auto& [pair, weight] : edges) {
+    ASSERT_TRUE(found.contains(pair));
+    EXPECT_NEAR(found.at(pair), weight, kWeightError * weight);
+  }
+}
+
 TEST(OcclusionGraph, ACellIsTheMeanOfItsSamples) {
   const Mesh mesh = testing::random_soup(40, 0.5, 1);
   for (const bool all_distances : {false, true}) {
@@ -61,7 +84,7 @@ TEST(OcclusionGraph, ACellIsTheMeanOfItsSamples) {
       ASSERT_EQ(found.size(), expected.size()) << cell;
       for (const auto& [pair, weight] : expected) {
         ASSERT_TRUE(found.contains(pair)) << cell;
-        EXPECT_NEAR(found.at(pair), weight, 1e-6 + 1e-5 * weight);
+        EXPECT_NEAR(found.at(pair), weight, 1e-6 + kWeightError * weight);
         total += weight;
       }
     }
@@ -92,17 +115,19 @@ TEST(OcclusionGraph, PrunedWeightIsWhatIsMissing) {
   options.least_weight = 2e-3F;
   const OcclusionGraph pruned = graph_of(mesh, partition, options);
   EXPECT_NEAR(pruned.total_weight, whole.total_weight, 1e-5 * whole.total_weight);
+  const auto least = static_cast<double>(options.least_weight);
   double kept = 0;
   for (std::uint32_t cell = 0; cell < partition.cell_count(); ++cell) {
     const EdgeMap all = testing::map_of(whole.cells[cell]);
     const EdgeMap heavy = testing::map_of(pruned.cells[cell]);
     EXPECT_LT(heavy.size(), all.size());
     for (const auto& [pair, weight] : all) {
-      EXPECT_EQ(heavy.contains(pair), weight >= static_cast<double>(options.least_weight));
+      if (std::abs(weight - least) <= kWeightError * least) continue;
+      EXPECT_EQ(heavy.contains(pair), weight >= least);
     }
     for (const auto& [pair, weight] : heavy) kept += weight;
   }
-  EXPECT_NEAR(pruned.pruned_weight, 1 - kept / whole.total_weight, 1e-4);
+  EXPECT_NEAR(pruned.pruned_weight, 1 - kept / whole.total_weight, 1e-3);
   EXPECT_GT(pruned.pruned_weight, 0.001);
 }
 
@@ -115,8 +140,7 @@ TEST(OcclusionGraph, ThreadsDoNotMatter) {
   const ThreadLimit one(1);
   const OcclusionGraph single = graph_of(mesh, partition, options);
   for (std::uint32_t cell = 0; cell < partition.cell_count(); ++cell) {
-    EXPECT_EQ(many.cells[cell].backs, single.cells[cell].backs);
-    EXPECT_EQ(many.cells[cell].weights, single.cells[cell].weights);
+    EXPECT_EQ(testing::map_of(many.cells[cell]), testing::map_of(single.cells[cell]));
   }
   EXPECT_EQ(many.total_weight, single.total_weight);
   EXPECT_EQ(many.intersecting, single.intersecting);
@@ -194,14 +218,14 @@ TEST(SumCells, AddsTheCellsNamed) {
       const auto front = static_cast<NodeId>(random.below(graph.node_count));
       edges[{front, static_cast<NodeId>(random.below(graph.node_count))}] = random.uniform(0.1, 1);
     }
-    graph.cells.push_back(testing::rows_of(graph.node_count, edges));
+    graph.cells.emplace_back(testing::rows_of(graph.node_count, edges));
     if (cell % 2 == 0) {
       for (const auto& [pair, weight] : edges) expected[pair] += weight;
     }
   }
   const EdgeMap sum = testing::map_of(sum_cells(graph, std::vector<std::uint32_t>{0, 2, 4}));
   ASSERT_EQ(sum.size(), expected.size());
-  for (const auto& [pair, weight] : expected) EXPECT_NEAR(sum.at(pair), weight, 1e-5);
+  for (const auto& [pair, weight] : expected) EXPECT_NEAR(sum.at(pair), weight, kWeightError * weight);
   EXPECT_TRUE(testing::map_of(sum_cells(graph, {})).empty());
 }
 

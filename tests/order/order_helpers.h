@@ -131,6 +131,10 @@ inline EdgeMap map_of(const EdgeRows& rows) {
   return edges;
 }
 
+inline EdgeMap map_of(const CompactRows& rows) {
+  return map_of(rows.expanded());
+}
+
 // A random permutation of 0 .. count - 1.
 inline std::vector<std::uint32_t> random_ranks(std::uint32_t count, Random& random) {
   std::vector<std::uint32_t> ranks(count);

@@ -434,6 +434,12 @@ void add_file_options(CLI::App& command, OrderCommandOptions& o) {
              "scheduled (default), or the paper's tipsify")
       ->group("Output");
   command
+      .add_option("--memory", o.order.memory,
+                  "Get by with about this much, as in 4GB, by way of a temporary file")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("SIZE")
+      ->group("Method");
+  command
       .add_option("--cache-slack", o.order.cache_slack,
                   "budget: wrong area that the cache may cost, square radii a view")
       ->check(CLI::NonNegativeNumber)

@@ -139,6 +139,11 @@ struct OrderOptions {
   // budget: the area drawn in the wrong order that a sequence may add for the vertex cache, square bounding
   // radii per view (a picture is 4). 0: none. acyclic never adds any.
   double cache_slack = 1e-4;
+  // Bytes that ordering should get by with; 0: no limit. Half of it is for the occlusion graphs of the cells:
+  // what is more goes to a temporary file ($TMPDIR, else /tmp) and is read from there cell by cell, and
+  // clusters are worked on one at a time. The meshes and the summed graph of one cluster (24 bytes an edge)
+  // are not bounded by it. The result is the same.
+  std::uint64_t memory = 0;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };

@@ -31,10 +31,11 @@ RankTable interleave(const std::vector<std::vector<std::uint32_t>>& ranks) {
 void add_violations(const CompactRows& rows, const RankTable& table, double* costs) {
   const std::uint32_t orders = table.order_count;
   std::vector<float> row_costs(orders);
+  const RowBlock block = rows.all();
   for (NodeId node = 0; node < rows.node_count(); ++node) {
     const std::uint32_t* front = &table.ranks[std::size_t{node} * orders];
     std::fill(row_costs.begin(), row_costs.end(), 0.0F);
-    rows.for_each(node, [&](NodeId back_node, float weight) {
+    block.for_each(node, [&](NodeId back_node, float weight) {
       const std::uint32_t* back = &table.ranks[std::size_t{back_node} * orders];
       for (std::uint32_t order = 0; order < orders; ++order) {
         row_costs[order] += front[order] > back[order] ? weight : 0.0F;
@@ -69,13 +70,18 @@ std::vector<Vec3d> spread_directions(std::uint32_t count, Random& random) {
 // Sum the edges of the clusters whose cells have changed, and sift their orders.
 void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options, float light,
                       const std::vector<std::uint8_t>& changed, Clustering& clustering) {
-  tbb::parallel_for(std::uint32_t{0}, clustering.cluster_count(), [&](std::uint32_t cluster) {
+  const auto reorder = [&](std::uint32_t cluster) {
     if (changed[cluster] == 0) return;
     stop_if_requested(options.progress);
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, cluster);
     const PairWishes wishes = net_wishes(sum_cells(graph, cells, light * static_cast<float>(cells.size())));
     sift(wishes, options.sift, clustering.ranks[cluster]);
-  });
+  };
+  if (graph.spilled) {  // memory is short: one cluster's sum at a time
+    for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) reorder(cluster);
+  } else {
+    tbb::parallel_for(std::uint32_t{0}, clustering.cluster_count(), reorder);
+  }
 }
 
 // Give every cell its cheapest order; a tie keeps the cell where it is.

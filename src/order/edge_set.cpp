@@ -80,15 +80,24 @@ std::vector<NodeId> inverse(const std::vector<std::uint32_t>& ranks) {
 }  // namespace
 
 EdgeTable make_edge_table(const OcclusionGraph& graph) {
+  constexpr std::uint32_t kRowsPerBlock = 1024;
   std::vector<std::vector<NodeId>> rows(graph.node_count);
-  tbb::parallel_for(std::uint32_t{0}, graph.node_count, [&](NodeId front) {
-    std::vector<NodeId>& row = rows[front];
-    for (const CompactRows& cell : graph.cells) {
-      cell.for_each(front, [&](NodeId back, float) { row.push_back(back); });
+  const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
+  tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
+    const NodeId begin = block * kRowsPerBlock;
+    const NodeId end = std::min(begin + kRowsPerBlock, graph.node_count);
+    std::vector<RowBlock> cells;
+    cells.reserve(graph.cells.size());
+    for (const CompactRows& cell : graph.cells) cells.push_back(cell.block(begin, end));
+    for (NodeId front = begin; front < end; ++front) {
+      std::vector<NodeId>& row = rows[front];
+      for (const RowBlock& cell : cells) {
+        cell.for_each(front, [&](NodeId back, float) { row.push_back(back); });
+      }
+      std::sort(row.begin(), row.end());
+      row.erase(std::unique(row.begin(), row.end()), row.end());
+      row.shrink_to_fit();
     }
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    row.shrink_to_fit();
   });
   EdgeTable table;
   table.row_ids.reserve(graph.node_count + 1);
@@ -116,10 +125,11 @@ EdgeSet edges_of_cell(const EdgeTable& table, const CompactRows& cell) {
   set.rows.reserve(cell.node_count() + 1);
   set.rows.push_back(0);
   set.ids.reserve(cell.edge_count());
+  const RowBlock block = cell.all();
   for (NodeId front = 0; front < cell.node_count(); ++front) {
     // Both rows are sorted by back node.
     std::uint32_t id = table.row_ids[front];
-    cell.for_each(front, [&](NodeId back, float) {
+    block.for_each(front, [&](NodeId back, float) {
       while (table.backs[id] != back) ++id;
       set.ids.push_back(id);
     });

@@ -9,25 +9,6 @@
 namespace pellucid {
 namespace {
 
-// Rows by back node instead of front node; rows come out sorted.
-EdgeRows transposed(const EdgeRows& edges) {
-  EdgeRows out;
-  out.offsets.assign(edges.offsets.size(), 0);
-  for (const NodeId back : edges.backs) ++out.offsets[back + 1];
-  std::partial_sum(out.offsets.begin(), out.offsets.end(), out.offsets.begin());
-  out.backs.resize(edges.backs.size());
-  out.weights.resize(edges.backs.size());
-  std::vector<std::uint32_t> cursor(out.offsets.begin(), out.offsets.end() - 1);
-  for (NodeId front = 0; front < edges.node_count(); ++front) {
-    for (std::uint32_t i = edges.offsets[front]; i < edges.offsets[front + 1]; ++i) {
-      const std::uint32_t slot = cursor[edges.backs[i]]++;
-      out.backs[slot] = front;
-      out.weights[slot] = edges.weights[i];
-    }
-  }
-  return out;
-}
-
 class Sifter {
  public:
   Sifter(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks)
@@ -75,7 +56,7 @@ class Sifter {
       const double there = positions_[wishes_.neighbors[i]];
       if (wishes_.weights[i] > 0) {
         first = std::min(first, there);
-      } else {
+      } else if (wishes_.weights[i] < 0) {
         last = std::max(last, there);
       }
     }
@@ -154,41 +135,60 @@ class Sifter {
   std::vector<Neighbor> before_, after_;
 };
 
+// A pair that hides each other stands twice in both rows: leave the difference in one place and nothing in
+// the other.
+void settle_opposites(const EdgeRows& edges, PairWishes& wishes) {
+  for (NodeId node = 0; node < edges.node_count(); ++node) {
+    std::uint32_t hides = wishes.offsets[node + 1] - (edges.offsets[node + 1] - edges.offsets[node]);
+    std::uint32_t hidden_by = wishes.offsets[node];
+    const std::uint32_t hides_end = wishes.offsets[node + 1];
+    const std::uint32_t hidden_by_end = hides;
+    while (hides < hides_end && hidden_by < hidden_by_end) {
+      const NodeId neighbor = wishes.neighbors[hides];
+      if (neighbor < wishes.neighbors[hidden_by]) {
+        ++hides;
+      } else if (neighbor > wishes.neighbors[hidden_by]) {
+        ++hidden_by;
+      } else {
+        float& forward = wishes.weights[hides++];
+        float& backward = wishes.weights[hidden_by++];
+        if (node < neighbor) wishes.unavoidable += static_cast<double>(std::min(forward, -backward));
+        forward += backward;
+        backward = 0;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 PairWishes net_wishes(const EdgeRows& edges) {
-  const EdgeRows incoming = transposed(edges);
   PairWishes wishes;
-  wishes.offsets.reserve(edges.offsets.size());
-  wishes.offsets.push_back(0);
-  const auto add = [&](NodeId neighbor, float weight) {
-    wishes.neighbors.push_back(neighbor);
-    wishes.weights.push_back(weight);
-  };
-  double lighter = 0;
+  wishes.offsets.assign(edges.offsets.size(), 0);
   for (NodeId node = 0; node < edges.node_count(); ++node) {
-    // Merge the row of what this node hides with the row of what hides it.
-    std::uint32_t out = edges.offsets[node];
-    std::uint32_t in = incoming.offsets[node];
-    const std::uint32_t out_end = edges.offsets[node + 1];
-    const std::uint32_t in_end = incoming.offsets[node + 1];
-    while (out < out_end || in < in_end) {
-      const NodeId out_neighbor = out < out_end ? edges.backs[out] : std::numeric_limits<NodeId>::max();
-      const NodeId in_neighbor = in < in_end ? incoming.backs[in] : std::numeric_limits<NodeId>::max();
-      if (out_neighbor < in_neighbor) {
-        add(out_neighbor, edges.weights[out++]);
-      } else if (in_neighbor < out_neighbor) {
-        add(in_neighbor, -incoming.weights[in++]);
-      } else {
-        const float forward = edges.weights[out++];
-        const float backward = incoming.weights[in++];
-        if (node < out_neighbor) lighter += static_cast<double>(std::min(forward, backward));
-        if (forward != backward) add(out_neighbor, forward - backward);
-      }
-    }
-    wishes.offsets.push_back(static_cast<std::uint32_t>(wishes.neighbors.size()));
+    wishes.offsets[node + 1] += edges.offsets[node + 1] - edges.offsets[node];
   }
-  wishes.unavoidable = lighter;
+  for (const NodeId back : edges.backs) ++wishes.offsets[back + 1];
+  std::partial_sum(wishes.offsets.begin(), wishes.offsets.end(), wishes.offsets.begin());
+  wishes.neighbors.resize(wishes.offsets.back());
+  wishes.weights.resize(wishes.offsets.back());
+
+  // What a node hides comes last in its row, what hides it first: both sorted.
+  std::vector<std::uint32_t> hiding(wishes.offsets.begin(), wishes.offsets.end() - 1);
+  for (NodeId node = 0; node < edges.node_count(); ++node) {
+    const std::uint32_t count = edges.offsets[node + 1] - edges.offsets[node];
+    const std::uint32_t own = wishes.offsets[node + 1] - count;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const NodeId back = edges.backs[edges.offsets[node] + i];
+      const float weight = edges.weights[edges.offsets[node] + i];
+      wishes.neighbors[own + i] = back;
+      wishes.weights[own + i] = weight;
+      const std::uint32_t slot = hiding[back]++;
+      wishes.neighbors[slot] = node;
+      wishes.weights[slot] = -weight;
+    }
+  }
+  settle_opposites(edges, wishes);
   return wishes;
 }
 

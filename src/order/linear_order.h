@@ -17,7 +17,8 @@
 namespace pellucid {
 
 // Net wishes between pairs: for u's neighbour v, weight > 0 means "u before v saves this much", < 0 the
-// opposite. Every pair stands in both rows with opposite signs.
+// opposite. Every pair stands in both rows with opposite signs; one that wishes for both directions stands
+// there twice, once with the difference and once with 0.
 struct PairWishes {
   std::vector<std::uint32_t> offsets;  // nodes + 1
   std::vector<NodeId> neighbors;

@@ -6,7 +6,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <mutex>
 #include <numeric>
 
 #include "viewpoint_edges.h"
@@ -53,9 +55,11 @@ class GraphBuilder {
       find_missing_views(begin, end, graph);
       tbb::parallel_for(begin, end, [&](std::uint32_t cell) {
         unite_cell(cell, graph.cells[cell], weights[cell], pruned[cell]);
+        keep_within_memory(graph.cells[cell]);
       });
       release_views(begin, end);
     }
+    graph.spilled = spill_file_ != nullptr;
     graph.total_weight = std::accumulate(weights.begin(), weights.end(), 0.0);
     const double left_out = std::accumulate(pruned.begin(), pruned.end(), 0.0);
     graph.pruned_weight = graph.total_weight > 0 ? left_out / graph.total_weight : 0;
@@ -127,6 +131,15 @@ class GraphBuilder {
     weight = pruned + std::accumulate(rows.weights.begin(), rows.weights.end(), 0.0);
   }
 
+  void keep_within_memory(CompactRows& cell) {
+    if (options_.memory == 0) return;
+    const std::uint64_t bytes = cell.memory_bytes();
+    if (memory_taken_.fetch_add(bytes) + bytes <= options_.memory) return;
+    std::call_once(spill_once_, [&] { spill_file_ = std::make_shared<SpillFile>(); });
+    cell.move_to(spill_file_);
+    memory_taken_.fetch_sub(bytes - cell.memory_bytes());
+  }
+
   void release_views(std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t cell = begin; cell < end; ++cell) {
       for (const std::uint32_t sample : partition_.samples_of(cell)) {
@@ -145,44 +158,12 @@ class GraphBuilder {
   std::vector<std::uint32_t> uses_left_;
   tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
   tbb::enumerable_thread_specific<RowAccumulator> accumulators_;
+  std::atomic<std::uint64_t> memory_taken_ = 0;  // by finished cells, bytes
+  std::once_flag spill_once_;
+  std::shared_ptr<SpillFile> spill_file_;  // null: everything was small enough
 };
 
 }  // namespace
-
-CompactRows::CompactRows(const EdgeRows& rows) : edge_count_(rows.edge_count()) {
-  offsets_.reserve(rows.offsets.size());
-  words_.reserve(rows.edge_count());
-  offsets_.push_back(0);
-  for (NodeId front = 0; front < rows.node_count(); ++front) {
-    NodeId previous = 0;
-    for (std::uint32_t i = rows.offsets[front]; i < rows.offsets[front + 1]; ++i) {
-      NodeId distance = rows.backs[i] - previous;
-      for (; distance > kDistanceMask; distance -= kDistanceMask) words_.push_back(kDistanceMask);
-      // To the nearest; finite floats cannot overflow here, and no weight becomes zero.
-      const std::uint32_t bits = std::bit_cast<std::uint32_t>(rows.weights[i]) + 0x8000U;
-      words_.push_back((bits & ~kDistanceMask) | distance);
-      previous = rows.backs[i];
-    }
-    offsets_.push_back(static_cast<std::uint32_t>(words_.size()));
-  }
-  words_.shrink_to_fit();
-}
-
-EdgeRows CompactRows::expanded() const {
-  EdgeRows rows;
-  rows.offsets.reserve(offsets_.size());
-  rows.backs.reserve(edge_count_);
-  rows.weights.reserve(edge_count_);
-  rows.offsets.push_back(0);
-  for (NodeId front = 0; front < node_count(); ++front) {
-    for_each(front, [&](NodeId back, float weight) {
-      rows.backs.push_back(back);
-      rows.weights.push_back(weight);
-    });
-    rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
-  }
-  return rows;
-}
 
 double RowAccumulator::flush(EdgeRows& rows, float least) {
   double left_out = 0;
@@ -222,10 +203,14 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
       [&] { return RowAccumulator(graph.node_count); });
   tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
     RowAccumulator& accumulator = accumulators.local();
-    const std::uint32_t end = std::min((block + 1) * kRowsPerBlock, graph.node_count);
-    for (NodeId node = block * kRowsPerBlock; node < end; ++node) {
-      for (const std::uint32_t cell : cells) {
-        graph.cells[cell].for_each(node, [&](NodeId back, float weight) { accumulator.add(back, weight); });
+    const NodeId begin = block * kRowsPerBlock;
+    const NodeId end = std::min(begin + kRowsPerBlock, graph.node_count);
+    std::vector<RowBlock> parts_of_cells;
+    parts_of_cells.reserve(cells.size());
+    for (const std::uint32_t cell : cells) parts_of_cells.push_back(graph.cells[cell].block(begin, end));
+    for (NodeId node = begin; node < end; ++node) {
+      for (const RowBlock& rows : parts_of_cells) {
+        rows.for_each(node, [&](NodeId back, float weight) { accumulator.add(back, weight); });
       }
       accumulator.flush(parts[block], least);
     }
@@ -237,11 +222,12 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
   for (const EdgeRows& part : parts) edges += part.edge_count();
   sum.backs.reserve(edges);
   sum.weights.reserve(edges);
-  for (const EdgeRows& part : parts) {
+  for (EdgeRows& part : parts) {
     const auto base = static_cast<std::uint32_t>(sum.backs.size());
     for (const std::uint32_t offset : part.offsets) sum.offsets.push_back(base + offset);
     sum.backs.insert(sum.backs.end(), part.backs.begin(), part.backs.end());
     sum.weights.insert(sum.weights.end(), part.weights.begin(), part.weights.end());
+    part = {};
   }
   return sum;
 }

@@ -1,67 +1,20 @@
 // The occlusion graph of every view cell: the union of the edges seen from its samples, weighted.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "edge_rows.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
 
 namespace pellucid {
 
-// Weighted edges front -> back between nodes, in rows by front node. The weight of an edge is the area of the
-// picture (square bounding radii) in which front covers back, averaged over the viewpoints that the graph
-// stands for.
-struct EdgeRows {
-  std::vector<std::uint32_t> offsets;  // nodes + 1
-  std::vector<NodeId> backs;
-  std::vector<float> weights;
-
-  [[nodiscard]] std::uint32_t node_count() const {
-    return static_cast<std::uint32_t>(offsets.empty() ? 0 : offsets.size() - 1);
-  }
-  [[nodiscard]] std::uint64_t edge_count() const { return backs.size(); }
-};
-
-// The same in half the memory: a word an edge, of which the upper half is the weight (its upper 16 bits as a
-// float, an error of 0.4 % at most) and the lower half the distance to the row's last back node. An edge that
-// is farther away comes after a few of weight zero, which say nothing but bridge the distance.
-class CompactRows {
- public:
-  CompactRows() = default;
-  explicit CompactRows(const EdgeRows& rows);  // sorted by back node
-
-  [[nodiscard]] std::uint32_t node_count() const {
-    return static_cast<std::uint32_t>(offsets_.empty() ? 0 : offsets_.size() - 1);
-  }
-  [[nodiscard]] std::uint64_t edge_count() const { return edge_count_; }
-  [[nodiscard]] EdgeRows expanded() const;
-
-  // visit(back, weight) for the row's edges, sorted by back node.
-  template <typename Visit>
-  void for_each(NodeId front, Visit visit) const {
-    NodeId back = 0;
-    for (std::uint32_t i = offsets_[front]; i < offsets_[front + 1]; ++i) {
-      const std::uint32_t word = words_[i];
-      back += word & kDistanceMask;
-      const auto weight = std::bit_cast<float>(word & ~kDistanceMask);
-      if (weight > 0) visit(back, weight);
-    }
-  }
-
- private:
-  static constexpr std::uint32_t kDistanceMask = 0xFFFF;
-
-  std::vector<std::uint32_t> offsets_;  // nodes + 1
-  std::vector<std::uint32_t> words_;
-  std::uint64_t edge_count_ = 0;
-};
-
 struct OcclusionGraph {
   std::uint32_t node_count = 0;    // 2 * triangles
   std::vector<CompactRows> cells;  // one per view cell
+  bool spilled = false;            // some of them are in a file, for want of memory
   std::uint64_t viewpoint_count = 0;
   std::uint64_t viewpoint_edges = 0;  // summed over viewpoints
   std::uint64_t intersecting = 0;     // intersecting pairs, summed over viewpoints
@@ -79,6 +32,8 @@ struct GraphOptions {
   OcclusionSource source = OcclusionSource::exact;
   std::uint32_t raster_size = 512;
   bool front_only = false;
+  // Cells beyond so many bytes go to a temporary file. 0: all stay in memory.
+  std::uint64_t memory = 0;
   Progress* progress = nullptr;
 };
 

@@ -211,7 +211,9 @@ class Orderer {
     begin_stage(options_.progress, "sequences", clustering.cluster_count());
     std::vector<NodeSequence> sequences(clustering.cluster_count());
     // A few clusters at a time: the summed edges of one may take some 100 MB.
-    const std::uint32_t at_once = (clustering.cluster_count() + kSequencesAtOnce - 1) / kSequencesAtOnce;
+    const std::uint32_t at_once =
+        problem.graph.spilled ? clustering.cluster_count()
+                              : (clustering.cluster_count() + kSequencesAtOnce - 1) / kSequencesAtOnce;
     const tbb::blocked_range<std::uint32_t> clusters(0, clustering.cluster_count(), at_once);
     tbb::parallel_for(
         clusters,
@@ -334,6 +336,7 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
   graph.source = options.occlusion;
   graph.raster_size = options.raster_size;
   graph.front_only = options.facing == Facing::single;
+  graph.memory = options.memory / 2;
   graph.progress = options.progress;
   problem.graph = build_occlusion_graph(mesh, problem.sphere, problem.partition, graph);
   return problem;

@@ -58,7 +58,7 @@ TEST(NetWishes, AreAntisymmetricAndAccountForEveryEdge) {
     EdgeMap found;
     for (NodeId u = 0; u < nodes; ++u) {
       for (std::uint32_t i = wishes.offsets[u]; i < wishes.offsets[u + 1]; ++i)
-        found[{u, wishes.neighbors[i]}] = static_cast<double>(wishes.weights[i]);
+        found[{u, wishes.neighbors[i]}] += static_cast<double>(wishes.weights[i]);
     }
     for (const auto& [pair, weight] : found) {
       EXPECT_EQ((found.at({pair.second, pair.first})), -weight);

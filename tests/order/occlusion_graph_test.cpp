@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "order_helpers.h"
 #include "viewpoint_edges.h"
 
@@ -144,6 +146,48 @@ TEST(OcclusionGraph, ThreadsDoNotMatter) {
   }
   EXPECT_EQ(many.total_weight, single.total_weight);
   EXPECT_EQ(many.intersecting, single.intersecting);
+}
+
+TEST(OcclusionGraph, WhatIsInTheFileIsWhatWouldBeInMemory) {
+  const Mesh mesh = testing::random_soup(80, 0.4, 5);
+  const ViewPartition partition = make_partition({PartitionKind::sampled_triangles, 1, 1});
+  GraphOptions options;
+  options.distances = {2.0};
+  const OcclusionGraph whole = graph_of(mesh, partition, options);
+  EXPECT_FALSE(whole.spilled);
+  std::uint64_t bytes = 0;
+  for (const CompactRows& cell : whole.cells) bytes += cell.memory_bytes();
+  options.memory = bytes / 2;
+  const OcclusionGraph spilled = graph_of(mesh, partition, options);
+  EXPECT_TRUE(spilled.spilled);
+  std::uint64_t kept = 0;
+  for (std::uint32_t cell = 0; cell < partition.cell_count(); ++cell) {
+    EXPECT_EQ(testing::map_of(whole.cells[cell]), testing::map_of(spilled.cells[cell]));
+    kept += spilled.cells[cell].memory_bytes();
+  }
+  EXPECT_LT(kept, bytes * 3 / 4);  // where rows begin stays in memory
+  const std::vector<std::uint32_t> some = {3, 20, 21, 79};
+  EXPECT_EQ(testing::map_of(sum_cells(whole, some)), testing::map_of(sum_cells(spilled, some)));
+  options.memory = 2 * bytes;
+  EXPECT_FALSE(graph_of(mesh, partition, options).spilled);
+}
+
+TEST(SpillFile, NamesTheFolderThatCannotHoldIt) {
+  const char* before = std::getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  ::setenv("TMPDIR", "/nonexistent", 1);
+  try {
+    const SpillFile file;
+    ADD_FAILURE() << "made a file in a folder that is not there";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::cannot_write);
+    EXPECT_NE(std::string(error.what()).find("/nonexistent"), std::string::npos);
+  }
+  if (before == nullptr) {
+    ::unsetenv("TMPDIR");
+  } else {
+    ::setenv("TMPDIR", kept.c_str(), 1);
+  }
 }
 
 TEST(OcclusionGraph, RasterSourceFindsMostOfTheWeight) {

@@ -15,6 +15,20 @@ OrderOptions quick(const std::string& partition = "S1,1") {
   return options;
 }
 
+TEST(OrderMesh, AMemoryLimitDoesNotChangeTheResult) {
+  const Mesh mesh = testing::nested_spheres(2);
+  for (const OrderMethod method : {OrderMethod::budget, OrderMethod::acyclic}) {
+    OrderOptions options = quick("S0,1");
+    options.method = method;
+    const OrderSet whole = order_mesh(mesh, options).orders;
+    options.memory = 1;
+    const OrderSet spilled = order_mesh(mesh, options).orders;
+    EXPECT_EQ(whole.orders, spilled.orders);
+    EXPECT_EQ(whole.cell_orders, spilled.cell_orders);
+    EXPECT_EQ(whole.base_sequence, spilled.base_sequence);
+  }
+}
+
 std::vector<Viewpoint> viewpoints_of(const OrderSet& set, std::uint32_t count) {
   Random random(99);
   std::vector<Viewpoint> viewpoints;

@@ -7,7 +7,10 @@
 
 #include "choice.h"
 #include "cleaned.h"
+#include "frontier_output.h"
+#include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
+#include "pellucid/shading.h"
 #include "selection.h"
 #include "session.h"
 #include "terminal_progress.h"
@@ -18,6 +21,7 @@ namespace {
 // Held-out viewpoints, so that the recorded error is none that the method has trained on.
 constexpr std::uint64_t kValidationSeed = 0x5EEDED;
 constexpr std::uint32_t kValidationSize = 512;
+constexpr std::uint32_t kFrontierBuffers = 8;  // that --frontier shows unless --max-buffers says otherwise
 // Lists hold most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
 constexpr double kTypicalTwins = 1.6;
 
@@ -31,7 +35,8 @@ struct OrderCommandOptions {
   double distance = 0;
   bool perspective = false, orthographic = false;
   std::uint32_t buffers = 0;
-  bool max_error_given = false;
+  bool target_given = false;  // --max-error or --min-psnr
+  std::vector<std::string> frontier;
   FacingChoice facing = FacingChoice::automatic;
   SelectionOptions selection;
   CleanOptions clean;
@@ -85,26 +90,25 @@ void check_output(const std::string& path) {
   if (extension != ".glb" && extension != ".gltf") {
     throw Error(ErrorKind::bad_argument, path + ": the output must end in .glb or .gltf");
   }
-  // Known now, not after minutes of work.
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code ignored;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
-    throw Error(ErrorKind::cannot_write, path + ": cannot write: there is no folder " + folder.string());
-  }
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw Error(ErrorKind::cannot_write, path + ": cannot write: it is a directory");
-  }
+  check_writable(path);
+}
+
+void check_acyclic(const OrderCommandOptions& options) {
+  const auto refuse = [](const std::string& option) {
+    throw Error(ErrorKind::bad_argument,
+                option + " needs --method budget: acyclic finds its own number of buffers");
+  };
+  if (options.buffers > 0) refuse("--buffers");
+  if (!options.frontier.empty()) refuse("--frontier");
 }
 
 void check_options(const OrderCommandOptions& options) {
-  if (options.output.empty() && !options.dry_run) {
+  if (options.output.empty() && options.frontier.empty() && !options.dry_run) {
     throw Error(ErrorKind::bad_argument, "no output file given: -o OUT.glb");
   }
   if (!options.output.empty()) check_output(options.output);
-  if (options.buffers > 0 && options.order.method == OrderMethod::acyclic) {
-    throw Error(ErrorKind::bad_argument,
-                "--buffers needs --method budget: acyclic finds its own number of buffers");
-  }
+  for (const std::string& path : options.frontier) check_frontier_path(path);
+  if (options.order.method == OrderMethod::acyclic) check_acyclic(options);
   if (options.order.cache_size > 0 && options.order.cache_size < 3) {
     throw Error(ErrorKind::bad_argument,
                 "--cache: a vertex cache holds at least 3 vertices (0: leave orders alone)");
@@ -153,12 +157,13 @@ std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
 }
 
 OrderErrorRecord validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints,
-                                 Session& session) {
+                                 double alpha, Session& session) {
   MeasureOptions measure;
   measure.viewpoints = viewpoints;
   measure.size = kValidationSize;
   measure.seed = kValidationSeed ^ session.options().seed;
   measure.facing = orders.facing;
+  measure.shading.alpha = alpha;
   // The paper's range of 2 to 5 radii, as far as the orders were made for it.
   measure.min_distance = std::max(2.0, orders.valid_from);
   measure.max_distance = std::max(measure.min_distance, std::min(5.0, orders.valid_to));
@@ -179,6 +184,7 @@ OrderErrorRecord validate_orders(const Mesh& mesh, const OrderSet& orders, std::
 struct OrderedOne {
   OrderedPrimitive ordered;
   PrimitiveOrderReport report;
+  PrimitiveFrontier frontier;  // --frontier; without -o there is nothing else
 };
 
 OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommandOptions& options,
@@ -193,13 +199,20 @@ OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommand
   OrderOptions order = options.order;
   order.facing = facing_of(model, primitive, options.facing);
   order.progress = session.progress();
-  OrderResult result = order_mesh(mesh, order);
-
   OrderedOne one;
+  OrderResult result;
+  if (options.frontier.empty()) {
+    result = order_mesh(mesh, order);
+  } else {
+    one.frontier = {primitive.name, index, mesh.triangles.size(), mesh.positions.size(),
+                    order_frontier(mesh, order, !options.output.empty())};
+    if (options.output.empty()) return one;
+    result = std::move(*one.frontier.frontier.result);
+  }
   one.ordered.primitive = index;
   if (options.validate > 0) {
     const Stopwatch watch;
-    one.ordered.error = validate_orders(mesh, result.orders, options.validate, session);
+    one.ordered.error = validate_orders(mesh, result.orders, options.validate, picture_alpha(order), session);
     seconds_validate += watch.seconds();
   }
   PrimitiveOrderReport& report = one.report;
@@ -240,24 +253,55 @@ void print_plan(const Model& model, const Selection& selection, const OrderComma
   session.print("dry run: nothing was written; sizes are estimates\n");
 }
 
-// The error that --max-error is held against: what the method measured itself, else the validation.
-double reached_error(const PrimitiveOrderReport& report) {
-  if (report.statistics.measured_error >= 0) return report.statistics.measured_error;
-  return report.error ? report.error->ipr_mean : 0;
+// What was reached, and by how many buffers: what the method measured itself, else the validation.
+struct Reached {
+  std::string name;
+  double ipr = -1, psnr = -1;
+  std::size_t buffers = 0;
+};
+
+Reached reached_by(const PrimitiveOrderReport& report) {
+  Reached reached{report.name, report.statistics.measured_error, report.statistics.measured_psnr,
+                  report.buffers.size()};
+  if (reached.ipr < 0 && report.error) reached.ipr = report.error->ipr_mean;
+  if (reached.psnr < 0 && report.error) reached.psnr = report.error->psnr_mean;
+  return reached;
 }
 
-void check_quality(const OrderReport& report, const OrderCommandOptions& options) {
-  if (!options.max_error_given) return;
-  for (const PrimitiveOrderReport& primitive : report.primitives) {
-    const double error = reached_error(primitive);
-    if (error <= options.order.max_error) continue;
-    throw Error(
-        ErrorKind::quality_missed,
-        fmt::format("{}: {}: wrong pixels {} with {} buffers, asked for {} (more --max-buffers may help); {} "
-                    "was written all the same",
-                    report.input, primitive.name, format_percent(error), primitive.buffers.size(),
-                    format_percent(options.order.max_error), report.output));
+Reached reached_by(const PrimitiveFrontier& primitive) {
+  const FrontierPoint& point = primitive.frontier.points[primitive.frontier.chosen - 1];
+  return {primitive.name, point.ipr, point.psnr, point.buffers};
+}
+
+void check_quality(const std::vector<Reached>& all, const OrderCommandOptions& options) {
+  if (!options.target_given) return;
+  const std::string& written = options.output.empty() ? options.frontier.front() : options.output;
+  const std::optional<double>& min_psnr = options.order.min_psnr;
+  for (const Reached& reached : all) {
+    if (min_psnr ? reached.psnr < 0 || reached.psnr >= *min_psnr : reached.ipr <= options.order.max_error)
+      continue;
+    const std::string missed =
+        min_psnr ? fmt::format("PSNR {:.2f} dB with {} buffers, asked for {:g} dB", reached.psnr,
+                               reached.buffers, *min_psnr)
+                 : fmt::format("wrong pixels {} with {} buffers, asked for {}", format_percent(reached.ipr),
+                               reached.buffers, format_percent(options.order.max_error));
+    throw Error(ErrorKind::quality_missed,
+                fmt::format("{}: {}: {} (more --max-buffers may help); {} was written all the same",
+                            options.input, reached.name, missed, written));
   }
+}
+
+FrontierReport new_frontier_report(const OrderCommandOptions& options) {
+  FrontierReport report;
+  report.input = options.input;
+  report.views = to_string(options.order.partition);
+  report.distances = options.order.distances;
+  report.seed = options.order.seed;
+  report.alpha = options.order.alpha;
+  report.picture_alpha = picture_alpha(options.order);
+  report.max_error = options.order.max_error;
+  report.min_psnr = options.order.min_psnr;
+  return report;
 }
 
 OrderReport new_report(const OrderCommandOptions& options) {
@@ -269,6 +313,8 @@ OrderReport new_report(const OrderCommandOptions& options) {
   report.seed = options.order.seed;
   report.cache_size = options.order.cache_size;
   report.cache_method = options.order.cache_method == CacheMethod::tipsify ? "tipsify" : "scheduled";
+  report.alpha = options.order.alpha;
+  report.picture_alpha = picture_alpha(options.order);
   report.distances = options.order.distances;
   return report;
 }
@@ -297,18 +343,33 @@ void run_order(OrderCommandOptions options, Session& session) {
   report.seconds_read = total.seconds();
 
   std::vector<OrderedPrimitive> ordered;
+  std::vector<Reached> reached;
+  FrontierReport frontier = new_frontier_report(options);
   for (std::size_t k = 0; k < selection.primitives.size(); ++k) {
     const std::string& name = model.primitives[selection.primitives[k]].name;
     session.set_subject(selection.primitives.size() == 1
                             ? name
                             : fmt::format("{}/{} {}", k + 1, selection.primitives.size(), name));
     OrderedOne one = order_one(model, selection.primitives[k], options, session, report.seconds_validate);
+    if (!options.frontier.empty()) frontier.primitives.push_back(std::move(one.frontier));
+    stop_if_signalled();
+    if (options.output.empty()) {
+      reached.push_back(reached_by(frontier.primitives.back()));
+      continue;
+    }
     one.report.check = checks[k];
+    reached.push_back(reached_by(one.report));
     ordered.push_back(std::move(one.ordered));
     report.primitives.push_back(std::move(one.report));
-    stop_if_signalled();
   }
   session.set_subject("");
+  write_frontier(frontier, options.frontier);
+  if (!options.frontier.empty()) session.print(to_text(frontier));
+  if (options.output.empty()) {
+    session.write_json(to_json(frontier));
+    check_quality(reached, options);
+    return;
+  }
 
   const Stopwatch writing;
   const WriteReport written = write_model(model, ordered, options.output, options.write);
@@ -320,7 +381,7 @@ void run_order(OrderCommandOptions options, Session& session) {
   report.peak_rss_bytes = peak_rss_bytes();
   session.print(to_text(report));
   session.write_json(to_json(report));
-  check_quality(report, options);
+  check_quality(reached, options);
 }
 
 void add_order_options(CLI::App& command, OrderCommandOptions& o) {
@@ -339,15 +400,38 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
                         ->check(CLI::Range(0.0, 1.0))
                         ->capture_default_str()
                         ->group("Method");
-  command.parse_complete_callback([&o, max_error] { o.max_error_given = max_error->count() > 0; });
+  auto* min_psnr = command
+                       .add_option("--min-psnr", order.min_psnr,
+                                   "Instead: PSNR of the pictures to reach, dB; when missed: exit 5")
+                       ->check(CLI::Range(1.0, kPerfectPsnr))
+                       ->excludes(max_error)
+                       ->group("Method");
+  command
+      .add_option("--alpha", order.alpha,
+                  "Weigh errors by what is visible of them through faces of this opacity, 0 to 1")
+      ->check(CLI::Range(0.001, 1.0))
+      ->group("Method");
   auto* max_buffers = command.add_option("--max-buffers", order.max_buffers, "Never more buffers than this")
                           ->check(CLI::Range(1U, 65535U))
                           ->capture_default_str()
                           ->group("Method");
-  command.add_option("--buffers", o.buffers, "This many buffers, none of them unused (budget)")
-      ->check(CLI::Range(1U, 65535U))
-      ->excludes(max_buffers)
-      ->group("Method");
+  auto* buffers =
+      command.add_option("--buffers", o.buffers, "This many buffers, none of them unused (budget)")
+          ->check(CLI::Range(1U, 65535U))
+          ->excludes(max_buffers)
+          ->group("Method");
+  auto* frontier =
+      command
+          .add_option("--frontier", o.frontier,
+                      "Plot error against buffers: FILE.svg, .json; --max-buffers is then 8; may repeat")
+          ->type_name("FILE")
+          ->allow_extra_args(false)
+          ->excludes(buffers)
+          ->group("Method");
+  command.parse_complete_callback([&o, max_error, min_psnr, max_buffers, frontier] {
+    o.target_given = max_error->count() > 0 || min_psnr->count() > 0;
+    if (frontier->count() > 0 && max_buffers->count() == 0) o.order.max_buffers = kFrontierBuffers;
+  });
   add_choice(command, "--priority", order.priority,
              {{"union", MergePriority::union_size},
               {"intersection", MergePriority::intersection},
@@ -476,6 +560,7 @@ void add_order_command(CLI::App& app, Chosen& chosen) {
       add_command(app, chosen, "order", "Transparency orders for static meshes: in-depth buffers",
                   "  pellucid order bunny.ply -o bunny.glb --simplify 10000\n"
                   "  pellucid order glass.glb -o out.glb --max-error 0.001 --max-buffers 12\n"
+                  "  pellucid order glass.glb --frontier curve.svg --frontier curve.json\n"
                   "  pellucid order glass.glb -o out.gltf --method acyclic --views S2,2 --json stats.json\n"
                   "  pellucid order car.glb -o out.glb --material Windows --split-buffer --encoding meshopt",
                   1, [options](Session& session) { run_order(*options, session); });

@@ -14,6 +14,7 @@
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
 #include "pellucid/raster.h"
+#include "pellucid/shading.h"
 #include "pellucid/view.h"
 
 namespace pellucid {
@@ -50,17 +51,6 @@ struct Image {
   std::vector<std::uint8_t> rgb;  // 3 bytes a pixel, sRGB, upper row first
 };
 
-// How a fragment looks (section 7 of the paper): per-pixel lighting of a translucent surface, or the smoother
-// depth-to-colour ramp in which order errors show best.
-enum class Shading { lit, depth };
-
-struct ShadingOptions {
-  Shading shading = Shading::lit;
-  double alpha = 0.5;
-  Vec3f color{0.09F, 0.34F, 0.68F};  // linear RGB of the surface
-  Vec3f background{1, 1, 1};
-};
-
 // How fragments are put in order before blending.
 //   exact   by depth
 //   ranks   by position in a sequence (fragments of nodes without a rank are missing)
@@ -78,19 +68,6 @@ void write_png(const Image& image, const std::string& path);
 std::vector<std::uint8_t> encode_png(const Image& image);
 
 // ----------------------------------------------------------------------------------- order correctness
-
-struct FrameError {
-  std::uint64_t foreground = 0;  // pixels with at least one fragment
-  std::uint64_t incorrect = 0;  // pixels whose drawing order contradicts depth order, or that miss a fragment
-  double squared_error = 0;     // summed over foreground pixels and the three channels, in [0,1] sRGB units
-  [[nodiscard]] double ipr() const {
-    return foreground == 0 ? 0 : static_cast<double>(incorrect) / static_cast<double>(foreground);
-  }
-};
-// Fragments of equal depth (within a few units in the last place of the fragment depth) may come in either
-// order.
-FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
-                       std::span<const std::uint32_t> ranks, const ShadingOptions& shading);
 
 // One way of drawing the mesh, to be measured: ranks of all nodes for a viewpoint.
 struct DrawingMethod {

@@ -83,6 +83,7 @@ struct OrderStatistics {
   std::uint32_t clusters_before_relaxation = 0;  // acyclic
   std::uint32_t iterations = 0;                  // budget: k-means rounds; acyclic: relaxation rounds
   double measured_error = -1;                    // IPR on the validation viewpoints; -1: not measured
+  double measured_psnr = -1;  // PSNR there, dB, if the options asked for it; -1: not measured
   StageSeconds seconds;
   std::uint64_t peak_rss_bytes = 0;
 };
@@ -123,7 +124,14 @@ struct OrderOptions {
   // make no edge. < 0: the method's default (budget 0; acyclic 0.003, the authors' value).
   double tolerance = -1;
 
-  double max_error = 0.001;        // budget: add buffers until the measured IPR is at most this
+  // Weigh occlusions by what is visible of them: the area of an overlap times the light that reaches it,
+  // (1 - alpha)^(layers in front), for faces of this opacity, 0 < alpha <= 1. 0: by area alone.
+  double alpha = 0;
+
+  double max_error = 0.001;  // budget: add buffers until the measured IPR is at most this
+  // budget, in the place of max_error: until the PSNR of the pictures (lit, faces of opacity alpha, 0.5 where
+  // that is 0; see shading.h) is at least this, dB, mean over the validation viewpoints.
+  std::optional<double> min_psnr;
   std::uint32_t max_buffers = 16;  // budget: never more than this many
   std::uint32_t min_buffers = 1;   // budget: start here (equal to max_buffers: that many, but none unused)
   MergePriority priority = MergePriority::union_size;  // acyclic
@@ -149,9 +157,40 @@ struct OrderOptions {
 };
 
 std::vector<double> default_distances();
+// The opacity that pictures are judged at: options.alpha, or 0.5.
+double picture_alpha(const OrderOptions& options);
 
 // Order one mesh. The mesh must be clean (see clean()). A mesh without triangles throws Error{nothing_to_do}.
 OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options);
+
+// ------------------------------------------------------------------------------ error against memory
+
+// The best order set of at most `limit` buffers.
+struct FrontierPoint {
+  std::uint32_t limit = 0;
+  // order_mesh() with min_buffers = max_buffers = request makes this order set. Less than `limit` where that
+  // many buffers came out worse than fewer, which are valid for `limit`, too.
+  std::uint32_t request = 0;
+  std::uint32_t buffers = 0;       // that it holds: fewer than requested where one would serve no view
+  double ipr = 0, psnr = 0;        // mean over the validation viewpoints, see OrderOptions::min_psnr
+  double violated_weight = 0;      // as in OrderStatistics
+  std::uint64_t memory_bytes = 0;  // index data when drawn
+  bool meets_target = false;       // max_error, or min_psnr
+};
+
+struct OrderFrontier {
+  std::vector<FrontierPoint> points;  // limit = 1 .. options.max_buffers
+  // Limits. chosen: the fewest buffers that meet the target; where none do, the number after which more
+  // hardly help. knee: where the curve of log error over buffers bends most; 0: nowhere.
+  std::uint32_t chosen = 0, knee = 0;
+  OrderStatistics statistics;         // of the chosen number
+  std::optional<OrderResult> result;  // of the chosen number, when asked for
+};
+
+// Error against number of buffers, so that a user picks: the graph is built once, clustered for every number
+// from 1 to options.max_buffers. Errors never rise with the number (judged by the measure of the target).
+// Budget only: acyclic finds its own number. With upsampling every number takes the repair of the full mesh.
+OrderFrontier order_frontier(const Mesh& mesh, const OrderOptions& options, bool with_result = false);
 
 // --------------------------------------------------------------------------------- run-time counterpart
 

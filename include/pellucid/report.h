@@ -80,6 +80,7 @@ struct OrderReport {
   std::uint64_t seed = 0;
   std::uint32_t cache_size = 0;
   std::string cache_method;
+  double alpha = 0, picture_alpha = 0.5;  // weights of occlusions (0: areas); pictures that PSNR is of
   std::vector<double> distances;
   std::vector<PrimitiveOrderReport> primitives;
   std::uint64_t disk_bytes = 0;  // of the orders, as stored

@@ -11,14 +11,7 @@
 namespace pellucid {
 namespace {
 
-constexpr double kPerfectPsnr = 100;  // dB, for frames without any error
 constexpr std::size_t kDistanceBins = 6;
-
-double psnr_of(const FrameError& frame) {
-  if (frame.squared_error <= 0) return kPerfectPsnr;
-  const double mean = frame.squared_error / (3 * static_cast<double>(frame.foreground));
-  return std::min(kPerfectPsnr, -10 * std::log10(mean));
-}
 
 // Means over the frames whose viewpoint lies in each of equal ranges of distance; empty ranges are left out.
 std::vector<DistanceError> split_by_distance(std::span<const FrameError> frames,
@@ -33,7 +26,7 @@ std::vector<DistanceError> split_by_distance(std::span<const FrameError> frames,
     const double place = (viewpoints[i].distance - low) / (high - low) * kDistanceBins;
     Sum& sum = sums[std::min(static_cast<std::size_t>(std::max(place, 0.0)), kDistanceBins - 1)];
     sum.ipr += frames[i].ipr();
-    sum.psnr += psnr_of(frames[i]);
+    sum.psnr += frames[i].psnr();
     ++sum.count;
   }
   std::vector<DistanceError> bins;
@@ -51,8 +44,8 @@ void summarize(MethodQuality& quality, std::span<const Viewpoint> viewpoints, co
   for (const FrameError& frame : quality.frames) {
     quality.ipr_mean += frame.ipr();
     quality.ipr_max = std::max(quality.ipr_max, frame.ipr());
-    quality.psnr_mean += psnr_of(frame);
-    quality.psnr_min = std::min(quality.psnr_min, psnr_of(frame));
+    quality.psnr_mean += frame.psnr();
+    quality.psnr_min = std::min(quality.psnr_min, frame.psnr());
   }
   const auto count = static_cast<double>(quality.frames.size());
   quality.ipr_mean /= count;

@@ -5,12 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "fragment_shader.h"
+#include "pellucid/metric.h"
 
 namespace pellucid {
 namespace {
-
-using metric::FragmentShader;
 
 std::uint8_t to_byte(double value) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
@@ -36,7 +34,7 @@ Image shade(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragme
   const Vec3d background = shader.background();
   Image image = blank(fragments);
   tbb::parallel_for(std::uint32_t{0}, fragments.height, [&](std::uint32_t y) {
-    std::vector<metric::ShadedFragment> shaded;
+    std::vector<ShadedFragment> shaded;
     for (std::uint32_t x = 0; x < fragments.width; ++x) {
       const std::size_t p = std::size_t{y} * fragments.width + x;
       const std::span<const Fragment> list = fragments.pixel(p);
@@ -67,14 +65,13 @@ constexpr double kOutlineJump = 0.02;
 
 Image shade_exact(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                   const ShadingOptions& options) {
-  return shade(mesh, camera, fragments, options, [](const std::vector<metric::ShadedFragment>&) {});
+  return shade(mesh, camera, fragments, options, [](const std::vector<ShadedFragment>&) {});
 }
 
 Image shade_ordered(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                     std::span<const std::uint32_t> ranks, const ShadingOptions& options) {
-  return shade(mesh, camera, fragments, options, [ranks](std::vector<metric::ShadedFragment>& list) {
-    metric::put_in_drawn_order(list, ranks);
-  });
+  return shade(mesh, camera, fragments, options,
+               [ranks](std::vector<ShadedFragment>& list) { put_in_drawn_order(list, ranks); });
 }
 
 Image error_image(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks) {

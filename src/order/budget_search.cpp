@@ -20,14 +20,12 @@ constexpr std::uint32_t kFineRounds = 2;   // rounds on the full mesh
 constexpr float kLight = 1e-6F;            // mean square radii: left out of all fine rounds but the last
 // The full mesh's error over the coarse mesh's, before any is known: finer triangles leave less to get wrong.
 constexpr double kFinePerCoarse = 0.4;
-// One more buffer is worth its memory when it lowers the error to this share; so many in vain end the search.
-constexpr double kWorthwhile = 0.9;
-constexpr std::uint32_t kPatience = 3;
+constexpr std::uint32_t kPatience = 3;  // buffers that are not worthwhile, one after another: enough
 
 class BudgetSearch {
  public:
   BudgetSearch(const OrderProblem& coarse, const OrderProblem& fine, const BudgetOptions& options)
-      : coarse_(coarse), fine_(fine), options_(options) {
+      : coarse_(coarse), fine_(fine), options_(options), max_error_(options.target.largest()) {
     if (!same_mesh()) coarse_nodes_ = nearest_coarse_nodes(*fine.mesh, *coarse.mesh);
   }
 
@@ -38,23 +36,33 @@ class BudgetSearch {
     std::uint32_t count = likely_count(options_.min_buffers, most);
 
     BudgetResult best = solve_fine(count);
-    if (best.measured_error <= options_.max_error) {
-      while (count > options_.min_buffers && expected_error(count - 1) <= options_.max_error) {
+    if (best.error <= max_error_) {
+      while (count > options_.min_buffers && expected_error(count - 1) <= max_error_) {
         BudgetResult fewer = solve_fine(--count);
-        if (fewer.measured_error > options_.max_error) break;
+        if (fewer.error > max_error_) break;
         best = std::move(fewer);
       }
     } else {
       // The full mesh has told how much harder it is than the coarse one: go where that says.
-      while (count < most && best.measured_error > options_.max_error) {
+      while (count < most && best.error > max_error_) {
         count = likely_count(count + 1, most);
         BudgetResult more = solve_fine(count);
-        const bool worth_it = more.measured_error < kWorthwhile * best.measured_error;
+        const bool worth_it = more.error < kWorthwhile * best.error;
         if (worth_it) best = std::move(more);
         if (!worth_it) break;
       }
     }
     return best;
+  }
+
+  std::vector<BudgetResult> run_all() {
+    std::vector<BudgetResult> results;
+    begin_stage(options_.progress, "clustering", options_.max_buffers + 1 - options_.min_buffers);
+    for (std::uint32_t count = options_.min_buffers; count <= options_.max_buffers; ++count) {
+      results.push_back(solve_fine(count));
+      advance_stage(options_.progress, 1);
+    }
+    return results;
   }
 
  private:
@@ -66,13 +74,13 @@ class BudgetSearch {
   // hardly help.
   std::uint32_t likely_count(std::uint32_t least, std::uint32_t most) {
     std::uint32_t count = std::clamp(kUsualCount, least, most);
-    if (expected_error(count) <= options_.max_error) {
-      while (count > least && expected_error(count - 1) <= options_.max_error) --count;
+    if (expected_error(count) <= max_error_) {
+      while (count > least && expected_error(count - 1) <= max_error_) --count;
       return count;
     }
     std::uint32_t best = count;
     while (count < most && count - best < kPatience) {
-      if (expected_error(++count) <= options_.max_error) return count;
+      if (expected_error(++count) <= max_error_) return count;
       if (coarse_error(count) < kWorthwhile * coarse_error(best)) best = count;
     }
     while (best > least && coarse_error(best) > kWorthwhile * coarse_error(best - 1)) --best;
@@ -90,7 +98,7 @@ class BudgetSearch {
   double coarse_error(std::uint32_t count) {
     const auto known = coarse_errors_.find(count);
     if (known != coarse_errors_.end()) return known->second;
-    return coarse_errors_[count] = error_of(coarse_, solve_coarse(count));
+    return coarse_errors_[count] = options_.target.error_of(measure(coarse_, solve_coarse(count)));
   }
 
   const Clustering& solve_coarse(std::uint32_t count) {
@@ -133,9 +141,10 @@ class BudgetSearch {
       options.progress = options_.progress;
       result.clustering = improve_clustering(fine_.graph, std::move(start), options);
     }
-    result.measured_error = error_of(fine_, result.clustering);
+    result.measured = measure(fine_, result.clustering);
+    result.error = options_.target.error_of(result.measured);
     known_count_ = count;
-    known_error_ = result.measured_error;
+    known_error_ = result.error;
     return result;
   }
 
@@ -148,15 +157,18 @@ class BudgetSearch {
     return result;
   }
 
-  double error_of(const OrderProblem& problem, const Clustering& clustering) const {
-    return measure_incorrect_pixels(
-        *problem.mesh, problem.sphere, problem.partition, clustering.cluster_of, clustering.ranks,
-        held_out_viewpoints(options_.range, options_.front_only, options_.seed, options_.progress));
+  [[nodiscard]] PictureError measure(const OrderProblem& problem, const Clustering& clustering) const {
+    ValidationOptions validation =
+        held_out_viewpoints(options_.range, options_.front_only, options_.seed, options_.progress);
+    validation.picture_alpha = options_.picture_alpha;
+    return measure_picture_error(*problem.mesh, problem.sphere, problem.partition, clustering.cluster_of,
+                                 clustering.ranks, validation);
   }
 
   const OrderProblem& coarse_;
   const OrderProblem& fine_;
   const BudgetOptions& options_;
+  double max_error_;  // by the target's measure, as all errors here
   std::vector<NodeId> coarse_nodes_;
   std::map<std::uint32_t, Clustering> coarse_solutions_;
   std::map<std::uint32_t, double> coarse_errors_;
@@ -178,6 +190,11 @@ std::vector<std::uint32_t> carry_ranks(const OrderProblem& coarse, const OrderPr
 BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine,
                            const BudgetOptions& options) {
   return BudgetSearch(coarse, fine, options).run();
+}
+
+std::vector<BudgetResult> solve_all_budgets(const OrderProblem& coarse, const OrderProblem& fine,
+                                            const BudgetOptions& options) {
+  return BudgetSearch(coarse, fine, options).run_all();
 }
 
 }  // namespace pellucid

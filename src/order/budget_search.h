@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "budget.h"
+#include "error_target.h"
 #include "order_problem.h"
 
 namespace pellucid {
@@ -17,22 +18,29 @@ namespace pellucid {
 constexpr std::uint32_t kCoarseTriangles = 1000;
 
 struct BudgetOptions {
-  double max_error = 0.001;  // mean IPR on held-out viewpoints
+  ErrorTarget target;  // on held-out viewpoints
   std::uint32_t min_buffers = 1, max_buffers = 16;
   bool front_only = false;
-  ValidRange range{2, 5};  // of the held-out viewpoints
+  ValidRange range{2, 5};    // of the held-out viewpoints
+  double picture_alpha = 0;  // measure the PSNR of pictures with faces of this opacity, too; 0: no
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };
 
 struct BudgetResult {
-  Clustering clustering;      // on the full mesh
-  double measured_error = 0;  // mean IPR on the held-out viewpoints
+  Clustering clustering;  // on the full mesh
+  PictureError measured;  // on the held-out viewpoints
+  double error = 0;       // the same by the target's measure
 };
 
 // `coarse` is a simpler mesh, or fewer cells, or both; or `fine` itself, where there is nothing to leave out.
 BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine,
                            const BudgetOptions& options);
+
+// One result for every number of buffers from options.min_buffers to options.max_buffers: for each what
+// search_budget() finds if it may choose no other.
+std::vector<BudgetResult> solve_all_budgets(const OrderProblem& coarse, const OrderProblem& fine,
+                                            const BudgetOptions& options);
 
 // Ranks of the nodes of `fine` from those of `coarse`, for the views of `cells`.
 std::vector<std::uint32_t> carry_ranks(const OrderProblem& coarse, const OrderProblem& fine,

@@ -14,7 +14,7 @@ namespace pellucid {
 
 // Weighted edges front -> back between nodes, in rows by front node. The weight of an edge is the area of the
 // picture (square bounding radii) in which front covers back, averaged over the viewpoints that the graph
-// stands for.
+// stands for; with GraphOptions::alpha, times the light that reaches the front.
 struct EdgeRows {
   std::vector<std::uint32_t> offsets;  // nodes + 1
   std::vector<NodeId> backs;

@@ -31,6 +31,7 @@ struct GraphOptions {
   float least_weight = 0;
   OcclusionSource source = OcclusionSource::exact;
   std::uint32_t raster_size = 512;
+  double alpha = 0;  // OrderOptions::alpha
   bool front_only = false;
   // Cells beyond so many bytes go to a temporary file. 0: all stay in memory.
   std::uint64_t memory = 0;

@@ -9,8 +9,10 @@
 #include "acyclic.h"
 #include "base_sequence.h"
 #include "budget_search.h"
+#include "frontier.h"
 #include "order_problem.h"
 #include "pellucid/order.h"
+#include "pellucid/shading.h"
 #include "refine.h"
 #include "sequence.h"
 #include "upsample.h"
@@ -33,6 +35,8 @@ constexpr float kLeastWeight = 3e-7F;
 // cell-averaged weight of about half a pixel of a 1024 x 1024 picture, summed over a cluster.
 constexpr float kLeastBindingWeight = 1e-6F;
 
+// Renderers draw meshes of up to so many vertices with 16-bit indices (65535 restarts a strip).
+constexpr std::size_t kMostShortVertices = 65535;
 // Clusters whose sequences are made at the same time.
 constexpr std::uint32_t kSequencesAtOnce = 4;
 
@@ -63,6 +67,9 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
       refuse("distances are in bounding radii and must be greater than 1, the sphere itself");
   }
   if (!(options.max_error >= 0)) refuse("the largest error must not be negative");
+  if (options.min_psnr && !(*options.min_psnr > 0 && *options.min_psnr <= kPerfectPsnr))
+    refuse("the least PSNR must be above 0 dB and at most 100 dB, which stands for no error");
+  if (!(options.alpha >= 0 && options.alpha <= 1)) refuse("the opacity alpha must be 0 .. 1");
   if (options.max_buffers == 0 || options.min_buffers == 0) refuse("at least one buffer is needed");
   if (options.min_buffers > options.max_buffers) refuse("the least number of buffers exceeds the largest");
   if (options.raster_size == 0 || options.raster_size > 8192) refuse("the raster size must be 1 .. 8192");
@@ -118,44 +125,93 @@ class Orderer {
   }
 
   OrderResult run() {
-    Stopwatch total;
-    Stopwatch stage;
+    prepare();
+    const Clustering clustering = without_unused_orders(cluster());
+    result_.statistics.seconds.cluster = stage_.lap();
+    complete(clustering, true);
+    return finished();
+  }
+
+  OrderFrontier frontier(bool with_result) {
+    if (options_.method != OrderMethod::budget)
+      throw Error(ErrorKind::bad_argument, "only the method budget has a frontier");
+    prepare();
+    measure_pictures_ = true;
+    BudgetOptions budget = budget_options();
+    budget.min_buffers = 1;
+    std::vector<BudgetResult> solutions = solve_all_budgets(coarse(), fine_, budget);
+    result_.statistics.seconds.cluster = stage_.lap();
+
+    OrderFrontier frontier;
+    std::vector<OrderResult> completed;
+    for (std::uint32_t k = 0; k < solutions.size(); ++k) {
+      solutions[k].clustering = without_unused_orders(std::move(solutions[k].clustering));
+      record(solutions[k]);
+      // Only the full mesh can say what a carried order is worth.
+      if (upsampling_) {
+        complete(solutions[k].clustering, k + 1 == solutions.size());
+        completed.push_back(result_);
+      }
+      frontier.points.push_back(point(k + 1, solutions[k].clustering));
+    }
+    const ErrorTarget target = error_target(options_);
+    keep_best(frontier.points, target);
+    frontier.chosen = chosen_limit(frontier.points, target);
+    frontier.knee = knee_limit(frontier.points, target);
+
+    const std::uint32_t made = frontier.points[frontier.chosen - 1].request - 1;
+    if (upsampling_) {
+      result_ = std::move(completed[made]);
+    } else {
+      record(solutions[made]);
+      if (with_result) complete(solutions[made].clustering, true);
+    }
+    OrderResult chosen = finished();
+    frontier.statistics = chosen.statistics;
+    if (with_result) frontier.result = std::move(chosen);
+    return frontier;
+  }
+
+ private:
+  // The meshes that are ordered and searched, and what hides what on them.
+  void prepare() {
     const std::uint32_t upsample_from =
         options_.upsample_from.value_or(mesh_.triangles.size() > kMostDirectTriangles ? kUpsampleFrom : 0);
-    const bool upsampling = upsample_from > 0 && upsample_from < mesh_.triangles.size();
-    const Mesh simplified = upsampling ? simplify(mesh_, upsample_from) : Mesh{};
-    const Mesh& ordered = upsampling ? simplified : mesh_;
+    upsampling_ = upsample_from > 0 && upsample_from < mesh_.triangles.size();
+    if (upsampling_) simplified_ = simplify(mesh_, upsample_from);
 
-    OrderProblem fine = make_problem(ordered, options_.partition, options_, tolerance_of(options_));
-    const Mesh simpler = has_simpler(ordered) ? simplify(ordered, kCoarseTriangles) : Mesh{};
-    const Mesh& coarse_mesh = has_simpler(ordered) ? simpler : ordered;
+    fine_ = make_problem(ordered(), options_.partition, options_, tolerance_of(options_));
+    if (has_simpler(ordered())) simpler_ = simplify(ordered(), kCoarseTriangles);
+    const Mesh& coarse_mesh = has_simpler(ordered()) ? simpler_ : ordered();
     const PartitionSpec coarse_spec = coarse_partition(options_.partition);
-    const bool own_search = &coarse_mesh == &ordered && coarse_spec == options_.partition;
-    const OrderProblem coarse_own =
-        own_search ? OrderProblem{} : make_problem(coarse_mesh, coarse_spec, options_, 0.0);
-    const OrderProblem& coarse = own_search ? fine : coarse_own;
-    record_graph(fine.graph);
-    result_.statistics.seconds.graph = stage.lap();
+    own_search_ = &coarse_mesh == &ordered() && coarse_spec == options_.partition;
+    if (!own_search_) coarse_ = make_problem(coarse_mesh, coarse_spec, options_, 0.0);
+    record_graph(fine_.graph);
+    result_.statistics.seconds.graph = stage_.lap();
+  }
 
-    const Clustering clustering = without_unused_orders(cluster(coarse, fine));
-    result_.statistics.seconds.cluster = stage.lap();
+  [[nodiscard]] const Mesh& ordered() const { return upsampling_ ? simplified_ : mesh_; }
+  [[nodiscard]] const OrderProblem& coarse() const { return own_search_ ? fine_ : coarse_; }
 
-    result_.orders.orders = make_sequences(fine, clustering);
-    result_.orders.base_sequence = base_sequence(mesh_, coarse);
-    result_.statistics.seconds.sequence = stage.lap();
-
-    if (upsampling) {
-      fine.graph = {};
-      carry_over(ordered, clustering.cluster_of);
-      result_.statistics.seconds.refine = stage.lap();
+  // From clusters to sequences of the full mesh. `last`: the graph may go, nothing is completed after this.
+  void complete(const Clustering& clustering, bool last) {
+    result_.orders.orders = make_sequences(fine_, clustering);
+    result_.orders.base_sequence = base_sequence(mesh_, coarse());
+    result_.statistics.seconds.sequence += stage_.lap();
+    if (upsampling_) {
+      if (last) fine_.graph = {};
+      carry_over(ordered(), clustering.cluster_of);
+      result_.statistics.seconds.refine += stage_.lap();
     }
     finish(clustering);
-    result_.statistics.seconds.total = total.lap();
+  }
+
+  OrderResult finished() {
+    result_.statistics.seconds.total = total_.lap();
     result_.statistics.peak_rss_bytes = peak_rss_bytes();
     return std::move(result_);
   }
 
- private:
   void record_graph(const OcclusionGraph& graph) {
     OrderStatistics& statistics = result_.statistics;
     statistics.triangles = mesh_.triangles.size();
@@ -163,32 +219,73 @@ class Orderer {
     statistics.edges_per_viewpoint =
         graph.viewpoint_count == 0 ? 0 : graph.viewpoint_edges / graph.viewpoint_count;
     for (const CompactRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
+    total_weight_ = graph.total_weight;
     statistics.intersecting_pairs = graph.intersecting;
   }
 
-  Clustering cluster(const OrderProblem& coarse, const OrderProblem& fine) {
-    Clustering clustering = options_.method == OrderMethod::acyclic
-                                ? cluster_acyclically(fine, options_, result_.statistics)
-                                : cluster_by_budget(coarse, fine);
-    if (fine.graph.total_weight > 0) {
-      result_.statistics.violated_weight = clustering.violated / fine.graph.total_weight;
+  Clustering cluster() {
+    if (options_.method == OrderMethod::budget) {
+      BudgetResult found = search_budget(coarse(), fine_, budget_options());
+      record(found);
+      return std::move(found.clustering);
     }
+    Clustering clustering = cluster_acyclically(fine_, options_, result_.statistics);
+    result_.statistics.violated_weight = share_of_weight(clustering.violated);
     return clustering;
   }
 
-  Clustering cluster_by_budget(const OrderProblem& coarse, const OrderProblem& fine) {
+  [[nodiscard]] BudgetOptions budget_options() const {
     BudgetOptions budget;
-    budget.max_error = options_.max_error;
+    budget.target = error_target(options_);
     budget.min_buffers = options_.min_buffers;
     budget.max_buffers = options_.max_buffers;
     budget.front_only = options_.facing == Facing::single;
     budget.range = range_;
+    budget.picture_alpha = measured_alpha();
     budget.seed = options_.seed;
     budget.progress = options_.progress;
-    BudgetResult found = search_budget(coarse, fine, budget);
-    result_.statistics.measured_error = found.measured_error;
+    return budget;
+  }
+
+  // Opacity of the pictures that the PSNR is measured on; 0: nobody asks for it.
+  [[nodiscard]] double measured_alpha() const {
+    return options_.min_psnr || measure_pictures_ ? picture_alpha(options_) : 0;
+  }
+
+  void record(const BudgetResult& found) {
+    record(found.measured);
     result_.statistics.iterations = found.clustering.rounds;
-    return std::move(found.clustering);
+    result_.statistics.violated_weight = share_of_weight(found.clustering.violated);
+  }
+  void record(const PictureError& measured) {
+    result_.statistics.measured_error = measured.ipr;
+    result_.statistics.measured_psnr = measured.psnr;
+  }
+
+  [[nodiscard]] double share_of_weight(double violated) const {
+    return total_weight_ > 0 ? violated / total_weight_ : 0;
+  }
+
+  // What was just recorded, as a point of the frontier.
+  [[nodiscard]] FrontierPoint point(std::uint32_t request, const Clustering& clustering) const {
+    OrderProblem full;
+    full.mesh = &mesh_;
+    full.sphere = bounding_sphere(mesh_);
+    full.partition = make_partition(options_.partition);
+    std::uint64_t listed = 0;
+    for (std::uint32_t c = 0; c < clustering.cluster_count(); ++c) {
+      const auto drawn =
+          visible_nodes(full, cells_of_cluster(clustering.cluster_of, c), range_, options_.facing);
+      listed += static_cast<std::uint64_t>(std::count(drawn.begin(), drawn.end(), 1));
+    }
+    FrontierPoint point;
+    point.limit = point.request = request;
+    point.buffers = clustering.cluster_count();
+    point.ipr = result_.statistics.measured_error;
+    point.psnr = result_.statistics.measured_psnr;
+    point.violated_weight = result_.statistics.violated_weight;
+    point.memory_bytes = 3 * listed * (mesh_.positions.size() <= kMostShortVertices ? 2 : 4);
+    return point;
   }
 
   NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering,
@@ -239,6 +336,7 @@ class Orderer {
     RefineOptions refine;
     refine.rounds = options_.refine_rounds;
     refine.distances = options_.distances;
+    refine.alpha = options_.alpha;
     refine.front_only = options_.facing == Facing::single;
     refine.progress = options_.progress;
     std::vector<EdgeRows> known;
@@ -246,9 +344,10 @@ class Orderer {
       known = refine_orders(mesh_, full.sphere, options_.partition, cluster_of, refine, ranks);
     }
     if (options_.method == OrderMethod::budget) {
-      result_.statistics.measured_error = measure_incorrect_pixels(
-          mesh_, full.sphere, full.partition, cluster_of, ranks,
-          held_out_viewpoints(range_, refine.front_only, options_.seed, options_.progress));
+      ValidationOptions validation =
+          held_out_viewpoints(range_, refine.front_only, options_.seed, options_.progress);
+      validation.picture_alpha = measured_alpha();
+      record(measure_picture_error(mesh_, full.sphere, full.partition, cluster_of, ranks, validation));
     }
     SequenceOptions sequence;
     sequence.method = options_.cache_method;
@@ -304,6 +403,12 @@ class Orderer {
   const Mesh& mesh_;
   OrderOptions options_;
   ValidRange range_{};
+  Mesh simplified_, simpler_;   // of upsampling; of the search
+  OrderProblem fine_, coarse_;  // coarse_ only if the search has a problem of its own
+  bool upsampling_ = false, own_search_ = false;
+  bool measure_pictures_ = false;  // PSNR although it is no target
+  double total_weight_ = 0;
+  Stopwatch total_, stage_;
   OrderResult result_;
 };
 
@@ -311,6 +416,10 @@ class Orderer {
 
 std::vector<double> default_distances() {
   return {1.5, 3.0, kInfiniteDistance};
+}
+
+double picture_alpha(const OrderOptions& options) {
+  return options.alpha > 0 ? options.alpha : ShadingOptions{}.alpha;
 }
 
 ValidRange valid_range(const std::vector<double>& distances) {
@@ -335,6 +444,7 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
   graph.least_weight = kLeastWeight;
   graph.source = options.occlusion;
   graph.raster_size = options.raster_size;
+  graph.alpha = options.alpha;
   graph.front_only = options.facing == Facing::single;
   graph.memory = options.memory / 2;
   graph.progress = options.progress;
@@ -344,6 +454,10 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
 
 OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) {
   return Orderer(mesh, options).run();
+}
+
+OrderFrontier order_frontier(const Mesh& mesh, const OrderOptions& options, bool with_result) {
+  return Orderer(mesh, options).frontier(with_result);
 }
 
 }  // namespace pellucid

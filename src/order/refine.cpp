@@ -80,7 +80,7 @@ class Refiner {
   Refiner(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
           const std::vector<std::uint32_t>& cluster_of, const RefineOptions& options,
           std::vector<std::vector<std::uint32_t>>& ranks)
-      : scene_{mesh, sphere, {}, options.front_only, 0, options.raster_size},
+      : scene_{mesh, sphere, {}, options.front_only, 0, options.raster_size, options.alpha},
         partition_(partition),
         options_(options),
         ranks_(ranks),

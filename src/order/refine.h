@@ -20,6 +20,7 @@ struct RefineOptions {
   std::uint32_t rounds = 1;  // 0: leave the orders as they are
   std::uint32_t raster_size = 1024;
   std::vector<double> distances;
+  double alpha = 0;  // OrderOptions::alpha
   bool front_only = false;
   Progress* progress = nullptr;
 };

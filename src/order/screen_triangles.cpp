@@ -14,19 +14,9 @@ namespace {
 // picture.
 constexpr double kEdgeOnArea = 1e-12;
 
-struct Axes {
-  Vec3d right, up, direction;
-};
-
-Axes axes_of(const Vec3d& direction) {
-  const Vec3d helper = std::fabs(direction.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
-  const Vec3d right = normalized(cross(helper, direction));
-  return {right, cross(direction, right), direction};
-}
-
 void project_vertices(const std::vector<Vec3d>& positions, const Viewpoint& viewpoint,
                       std::vector<Vec3d>& out) {
-  const Axes axes = axes_of(viewpoint.direction);
+  const ViewAxes axes = view_axes(viewpoint.direction);
   const bool orthographic = std::isinf(viewpoint.distance);
   // Points beside or behind the camera have no picture; a camera that close is outside every valid range.
   constexpr double kNearest = 1e-3;
@@ -64,6 +54,12 @@ Bounds2 bounds_of(const ScreenTriangle& t) {
 }
 
 }  // namespace
+
+ViewAxes view_axes(const Vec3d& direction) {
+  const Vec3d helper = std::fabs(direction.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
+  const Vec3d right = normalized(cross(helper, direction));
+  return {right, cross(direction, right), direction};
+}
 
 std::vector<Vec3d> unit_positions(const Mesh& mesh, const BoundingSphere& sphere) {
   const double scale = sphere.radius > 0 ? 1.0 / sphere.radius : 0.0;

@@ -15,6 +15,11 @@
 
 namespace pellucid {
 
+struct ViewAxes {
+  Vec3d right, up, direction;
+};
+ViewAxes view_axes(const Vec3d& direction);
+
 // Positions relative to the bounding sphere: centre 0, radius 1. One per mesh vertex.
 std::vector<Vec3d> unit_positions(const Mesh& mesh, const BoundingSphere& sphere);
 

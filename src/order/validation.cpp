@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "pellucid/raster.h"
+#include "pellucid/shading.h"
 
 namespace pellucid {
 
@@ -23,31 +23,53 @@ ValidationOptions held_out_viewpoints(const ValidRange& range, bool front_only, 
   return options;
 }
 
-double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere,
-                                const ViewPartition& partition, const std::vector<std::uint32_t>& cluster_of,
-                                const std::vector<std::vector<std::uint32_t>>& ranks,
-                                const ValidationOptions& options) {
+PictureError measure_picture_error(const Mesh& mesh, const BoundingSphere& sphere,
+                                   const ViewPartition& partition,
+                                   const std::vector<std::uint32_t>& cluster_of,
+                                   const std::vector<std::vector<std::uint32_t>>& ranks,
+                                   const ValidationOptions& options) {
   std::vector<Viewpoint> viewpoints = random_viewpoints(
       options.viewpoints, options.min_distance,
       std::isinf(options.max_distance) ? options.min_distance : options.max_distance, options.seed);
   if (std::isinf(options.min_distance)) {
     for (Viewpoint& viewpoint : viewpoints) viewpoint.distance = kInfiniteDistance;
   }
-  std::vector<double> errors(viewpoints.size(), 0.0);
+  const bool pictures = options.picture_alpha > 0;
+  ShadingOptions shading;
+  shading.alpha = options.picture_alpha;
+  Mesh with_normals;
+  if (pictures && mesh.normals.size() != mesh.positions.size()) {
+    with_normals = mesh;
+    with_normals.normals = vertex_normals(mesh);
+  }
+  const Mesh& shaded = with_normals.normals.empty() ? mesh : with_normals;
+
+  std::vector<FrameError> frames(viewpoints.size());
   tbb::enumerable_thread_specific<FragmentBuffer> buffers;
   tbb::parallel_for(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     stop_if_requested(options.progress);
     FragmentBuffer& fragments = buffers.local();
     RasterOptions raster;
     raster.culling = options.front_only ? Culling::back : Culling::none;
-    rasterize(mesh, look_at_sphere(sphere, viewpoints[i], options.size, options.size), raster, fragments);
-    const std::uint32_t cluster = cluster_of[find_cell(partition, viewpoints[i].direction)];
-    const PixelCount count = count_incorrect_pixels(fragments, ranks[cluster]);
-    if (count.foreground > 0) {
-      errors[i] = static_cast<double>(count.incorrect) / static_cast<double>(count.foreground);
+    const Camera camera = look_at_sphere(sphere, viewpoints[i], options.size, options.size);
+    rasterize(mesh, camera, raster, fragments);
+    const std::vector<std::uint32_t>& drawn =
+        ranks[cluster_of[find_cell(partition, viewpoints[i].direction)]];
+    if (pictures) {
+      frames[i] = frame_error(shaded, camera, fragments, drawn, shading);
+    } else {
+      const PixelCount count = count_incorrect_pixels(fragments, drawn);
+      frames[i] = {count.foreground, count.incorrect, 0};
     }
   });
-  return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+  double ipr = 0;
+  double psnr = 0;
+  for (const FrameError& frame : frames) {
+    ipr += frame.ipr();
+    psnr += frame.psnr();
+  }
+  const auto count = static_cast<double>(frames.size());
+  return {ipr / count, pictures ? psnr / count : -1};
 }
 
 }  // namespace pellucid

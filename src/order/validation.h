@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "error_target.h"
 #include "order_problem.h"
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
@@ -17,6 +18,8 @@ struct ValidationOptions {
   double min_distance = 2, max_distance = 5;
   bool front_only = false;
   std::uint64_t seed = 1;
+  // Blend the pixels that are in a wrong order, with faces of this opacity, and give the PSNR, too. 0: no.
+  double picture_alpha = 0;
   const Progress* progress = nullptr;
 };
 
@@ -24,11 +27,19 @@ struct ValidationOptions {
 ValidationOptions held_out_viewpoints(const ValidRange& range, bool front_only, std::uint64_t seed,
                                       const Progress* progress);
 
-// Mean share of incorrect foreground pixels (IPR) when every view is drawn in the order of its cell's
-// cluster.
-double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere,
-                                const ViewPartition& partition, const std::vector<std::uint32_t>& cluster_of,
-                                const std::vector<std::vector<std::uint32_t>>& ranks,
-                                const ValidationOptions& options);
+// Mean share of incorrect foreground pixels (IPR), and mean PSNR if asked for, when every view is drawn in
+// the order of its cell's cluster.
+PictureError measure_picture_error(const Mesh& mesh, const BoundingSphere& sphere,
+                                   const ViewPartition& partition,
+                                   const std::vector<std::uint32_t>& cluster_of,
+                                   const std::vector<std::vector<std::uint32_t>>& ranks,
+                                   const ValidationOptions& options);
+inline double measure_incorrect_pixels(const Mesh& mesh, const BoundingSphere& sphere,
+                                       const ViewPartition& partition,
+                                       const std::vector<std::uint32_t>& cluster_of,
+                                       const std::vector<std::vector<std::uint32_t>>& ranks,
+                                       const ValidationOptions& options) {
+  return measure_picture_error(mesh, sphere, partition, cluster_of, ranks, options).ipr;
+}
 
 }  // namespace pellucid

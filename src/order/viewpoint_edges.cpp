@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pellucid/raster.h"
+#include "transmittance.h"
 
 namespace pellucid {
 namespace {
@@ -38,6 +39,10 @@ void find_edges_exactly(const OcclusionScene& scene, const Viewpoint& viewpoint,
   out.intersecting = 0;
   for (const CandidatePair& pair : scratch.doubtful) {
     if (test_pair_precisely(screen, scene.mesh.triangles, pair, scratch.edges)) ++out.intersecting;
+  }
+  if (scene.alpha > 0) {
+    find_light(scene, viewpoint, screen, scratch.fragments, scratch.light);
+    for (PairEdge& edge : scratch.edges) edge.area *= scratch.light[triangle_of(screen.nodes[edge.front])];
   }
   out.front_flipped = screen.flipped;
   group_by_front(scratch.edges, screen.nodes, scene.mesh.triangles.size(), out);
@@ -73,15 +78,21 @@ void find_edges_by_raster(const OcclusionScene& scene, const Viewpoint& viewpoin
   // Picture of the sphere: radius 1 at orthographic scale; a perspective one is scaled to the same units.
   const double half_extent = camera.perspective ? camera.half_height * viewpoint.distance : 1.0;
   const double pixel_area = 4.0 * half_extent * half_extent / static_cast<double>(pixels);
+  if (scene.alpha > 0) {
+    scratch.light.resize(scene.mesh.triangles.size());
+    find_light_of_triangles(scratch.fragments, scene.alpha, scratch.light);
+  }
   std::vector<std::uint32_t> counts(scene.mesh.triangles.size() + 1, 0);
   out.backs.clear();
   out.areas.clear();
   for (std::size_t i = 0; i < keys.size();) {
     std::size_t end = i;
     while (end < keys.size() && keys[end] == keys[i]) ++end;
-    ++counts[triangle_of(static_cast<NodeId>(keys[i] >> 32U)) + 1];
+    const std::uint32_t front = triangle_of(static_cast<NodeId>(keys[i] >> 32U));
+    ++counts[front + 1];
     out.backs.push_back(static_cast<NodeId>(keys[i]));
-    out.areas.push_back(static_cast<float>(static_cast<double>(end - i) * pixel_area));
+    const double area = static_cast<double>(end - i) * pixel_area;
+    out.areas.push_back(static_cast<float>(scene.alpha > 0 ? area * double{scratch.light[front]} : area));
     i = end;
   }
   for (std::size_t t = 0; t + 1 < counts.size(); ++t) counts[t + 1] += counts[t];

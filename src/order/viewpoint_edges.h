@@ -32,6 +32,7 @@ struct OcclusionScratch {
   std::vector<CandidatePair> pairs, doubtful;
   std::vector<PairEdge> edges;
   FragmentBuffer fragments;
+  std::vector<float> light;  // per triangle
   std::vector<std::uint64_t> keys;
 };
 
@@ -43,6 +44,7 @@ struct OcclusionScene {
   bool front_only = false;       // single-sided: back faces neither hide nor are hidden
   double tolerance = 0;          // bounding radii
   std::uint32_t raster_size = 512;
+  double alpha = 0;  // > 0: areas are weighed by the light that reaches them (transmittance.h)
 };
 
 // By geometry: every pair of faces that overlap in the picture (section 2.2 of the paper, one viewpoint).

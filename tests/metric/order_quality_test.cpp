@@ -3,7 +3,6 @@
 
 #include <atomic>
 
-#include "fragment_shader.h"
 #include "metric_helpers.h"
 
 namespace pellucid {
@@ -138,10 +137,10 @@ TEST(OrderQuality, PsnrOfAKnownDifference) {
   ShadingOptions options;
   options.shading = Shading::depth;
   const std::vector<std::uint32_t> wrong = ranks_of(NodeSequence{0, 2, 4, 6}, 4);
-  const metric::FragmentShader shader(mesh, camera, options);
+  const FragmentShader shader(mesh, camera, options);
   const std::size_t middle = 32 * 64 + 32;
   const std::span<const Fragment> list = fragments.pixel(middle);
-  std::vector<metric::ShadedFragment> shaded;
+  std::vector<ShadedFragment> shaded;
   shader.shade(middle, list, shaded);
   const Vec3d right = shader.blend(shaded);
   std::swap(shaded[0], shaded[1]);

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "fragment_shader.h"
 #include "metric_helpers.h"
 
 namespace pellucid {
@@ -21,15 +20,15 @@ std::array<int, 3> pixel_of(const Image& image, std::uint32_t x, std::uint32_t y
 }
 
 int encoded(double linear) {
-  return static_cast<int>(std::lround(255 * metric::srgb_from_linear(linear)));
+  return static_cast<int>(std::lround(255 * srgb_from_linear(linear)));
 }
 
 TEST(Shading, SrgbCurveAndItsInverse) {
-  EXPECT_DOUBLE_EQ(metric::srgb_from_linear(0), 0);
-  EXPECT_NEAR(metric::srgb_from_linear(1), 1, 1e-12);
-  EXPECT_NEAR(metric::srgb_from_linear(0.214041), 0.5, 1e-5);  // IEC 61966-2-1
+  EXPECT_DOUBLE_EQ(srgb_from_linear(0), 0);
+  EXPECT_NEAR(srgb_from_linear(1), 1, 1e-12);
+  EXPECT_NEAR(srgb_from_linear(0.214041), 0.5, 1e-5);  // IEC 61966-2-1
   for (double v = 0; v <= 1; v += 0.01) {
-    EXPECT_NEAR(metric::srgb_from_linear(metric::linear_from_srgb(v)), v, 1e-6);
+    EXPECT_NEAR(srgb_from_linear(linear_from_srgb(v)), v, 1e-6);
   }
 }
 

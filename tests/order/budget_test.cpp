@@ -117,8 +117,8 @@ TEST(BudgetSearch, TheErrorFallsWithTheBuffers) {
   for (const std::uint32_t count : {1U, 4U, 12U}) {
     const BudgetResult result = search_budget(problem, problem, exactly(count));
     EXPECT_EQ(result.clustering.cluster_count(), count);
-    EXPECT_LT(result.measured_error, last);
-    last = result.measured_error;
+    EXPECT_LT(result.error, last);
+    last = result.error;
   }
   EXPECT_LT(last, 0.02);
 }
@@ -128,14 +128,14 @@ TEST(BudgetSearch, StopsAtTheErrorAskedFor) {
   const OrderProblem problem = problem_of(mesh);
   BudgetOptions options = exactly(1);
   options.max_buffers = 16;
-  const double one = search_budget(problem, problem, exactly(1)).measured_error;
-  options.max_error = one;
+  const double one = search_budget(problem, problem, exactly(1)).error;
+  options.target.max_ipr = one;
   EXPECT_EQ(search_budget(problem, problem, options).clustering.cluster_count(), 1U);
-  options.max_error = 0.4 * one;
+  options.target.max_ipr = 0.4 * one;
   const BudgetResult fewer = search_budget(problem, problem, options);
   EXPECT_GT(fewer.clustering.cluster_count(), 1U);
   EXPECT_LT(fewer.clustering.cluster_count(), 16U);
-  EXPECT_LE(fewer.measured_error, options.max_error);
+  EXPECT_LE(fewer.error, options.target.max_ipr);
 }
 
 TEST(BudgetSearch, CarriesACoarseClusteringToAFinePartition) {
@@ -150,8 +150,8 @@ TEST(BudgetSearch, CarriesACoarseClusteringToAFinePartition) {
     EXPECT_EQ(ranks.size(), 2 * fine_mesh.triangles.size());
     EXPECT_TRUE(testing::is_permutation_of_all(ranks));
   }
-  const double one = search_budget(coarse, fine, exactly(1)).measured_error;
-  EXPECT_LT(result.measured_error, 0.5 * one);
+  const double one = search_budget(coarse, fine, exactly(1)).error;
+  EXPECT_LT(result.error, 0.5 * one);
 }
 
 TEST(Validation, CountsWrongPixels) {

@@ -1,13 +1,22 @@
-// frame_error.cpp - one frame's wrong pixels and how far their colours are off.
-#include "fragment_shader.h"
+// One frame's wrong pixels and how far their colours are off: see pellucid/shading.h.
+#include <algorithm>
+#include <cmath>
+
+#include "pellucid/shading.h"
 
 namespace pellucid {
 
+double FrameError::psnr() const {
+  if (squared_error <= 0) return kPerfectPsnr;
+  const double mean = squared_error / (3 * static_cast<double>(foreground));
+  return std::min(kPerfectPsnr, -10 * std::log10(mean));
+}
+
 FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                        std::span<const std::uint32_t> ranks, const ShadingOptions& shading) {
-  const metric::FragmentShader shader(mesh, camera, shading);
+  const FragmentShader shader(mesh, camera, shading);
   FrameError error;
-  std::vector<metric::ShadedFragment> shaded;
+  std::vector<ShadedFragment> shaded;
   const std::size_t pixels = std::size_t{fragments.width} * fragments.height;
   for (std::size_t p = 0; p < pixels; ++p) {
     const std::span<const Fragment> list = fragments.pixel(p);
@@ -18,7 +27,7 @@ FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuf
     ++error.incorrect;
     shader.shade(p, list, shaded);
     const Vec3d exact = shader.blend(shaded);
-    metric::put_in_drawn_order(shaded, ranks);
+    put_in_drawn_order(shaded, ranks);
     const Vec3d difference = exact - shader.blend(shaded);
     error.squared_error += dot(difference, difference);
   }

@@ -1,10 +1,10 @@
-// fragment_shader.cpp - see fragment_shader.h.
-#include "fragment_shader.h"
-
+// Colour and opacity of single fragments, and what a pixel's fragments blend to: see pellucid/shading.h.
 #include <algorithm>
 #include <cmath>
 
-namespace pellucid::metric {
+#include "pellucid/shading.h"
+
+namespace pellucid {
 namespace {
 
 // Shares of the light: from everywhere, from the eye, and from the upper left behind it.
@@ -21,10 +21,10 @@ constexpr std::array<Vec3d, 5> kRamp{
     {{0.99, 0.90, 0.45}, {0.97, 0.55, 0.30}, {0.79, 0.25, 0.45}, {0.44, 0.14, 0.55}, {0.11, 0.09, 0.36}}};
 
 Vec3d linear_from_srgb(const Vec3d& c) {
-  return {metric::linear_from_srgb(c.x), metric::linear_from_srgb(c.y), metric::linear_from_srgb(c.z)};
+  return {pellucid::linear_from_srgb(c.x), pellucid::linear_from_srgb(c.y), pellucid::linear_from_srgb(c.z)};
 }
 Vec3d srgb_from_linear(const Vec3d& c) {
-  return {metric::srgb_from_linear(c.x), metric::srgb_from_linear(c.y), metric::srgb_from_linear(c.z)};
+  return {pellucid::srgb_from_linear(c.x), pellucid::srgb_from_linear(c.y), pellucid::srgb_from_linear(c.z)};
 }
 
 double to_the_48th(double x) {
@@ -92,7 +92,7 @@ FragmentShader::Ray FragmentShader::ray_through(std::uint64_t pixel) const {
   return {camera_.eye + offset, camera_.forward};
 }
 
-Vec3d FragmentShader::normal_at(const Ray& ray, std::uint32_t node) const {
+Vec3d FragmentShader::normal_at(const Ray& ray, NodeId node) const {
   const Triangle& t = mesh_.triangles[triangle_of(node)];
   const Vec3d a = to_double(mesh_.positions[t[0]]);
   const Vec3d ab = to_double(mesh_.positions[t[1]]) - a;
@@ -117,7 +117,7 @@ Vec3d FragmentShader::normal_at(const Ray& ray, std::uint32_t node) const {
   return flipped_towards(normal, shown);
 }
 
-ShadedFragment FragmentShader::shade_lit(const Ray& ray, std::uint32_t node) const {
+ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node) const {
   const Vec3d normal = normal_at(ray, node);
   const Vec3d to_eye = -ray.direction;
   const double facing = std::clamp(dot(normal, to_eye), 0.0, 1.0);
@@ -143,4 +143,4 @@ void put_in_drawn_order(std::vector<ShadedFragment>& fragments, std::span<const 
             [&](const ShadedFragment& a, const ShadedFragment& b) { return ranks[a.node] < ranks[b.node]; });
 }
 
-}  // namespace pellucid::metric
+}  // namespace pellucid

@@ -1,0 +1,197 @@
+// Error against number of buffers as an SVG of its own: see pellucid/frontier_report.h.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pellucid/frontier_report.h"
+#include "pellucid/report.h"
+
+namespace pellucid {
+namespace {
+
+constexpr double kWidth = 680;
+constexpr double kPanelHeight = 380;
+constexpr double kLeft = 76;
+constexpr double kRight = 604;
+constexpr double kTop = 72;
+constexpr double kBottom = 300;
+constexpr double kLeastDecades = 2;
+constexpr double kPsnrStep = 10;
+// An error that the log axis cannot show is drawn at its lower end.
+constexpr double kLeastIpr = 1e-7;
+
+// Blue and orange stay apart for all kinds of colour vision; both have contrast on light and on dark ground.
+constexpr const char* kStyle = R"(<style>
+svg{--ground:#ffffff;--ink:#24292f;--faint:#d8dee4;--ipr:#0b62c4;--psnr:#b35900;--mark:#e8f0fa}
+@media (prefers-color-scheme:dark){svg{--ground:#12171d;--ink:#dde3ea;--faint:#39424d;--ipr:#6cb2ff;--psnr:#f2a45c;--mark:#1d2b3d}}
+text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:var(--ink)}
+.title{font-size:16px;font-weight:600}
+.small{font-size:12px}
+.ipr{fill:var(--ipr)}.psnr{fill:var(--psnr)}
+.grid{stroke:var(--faint);stroke-width:1}
+.line{fill:none;stroke-width:2.25;stroke-linejoin:round}
+.target{stroke-width:1.5;stroke-dasharray:2 4}
+</style>)";
+
+class Panel {
+ public:
+  Panel(const FrontierReport& report, const PrimitiveFrontier& primitive)
+      : report_(report), primitive_(primitive), points_(primitive.frontier.points) {
+    choose_ranges();
+  }
+
+  [[nodiscard]] std::string svg() const {
+    return titles() + marks() + grid() + target() + curves() + labels();
+  }
+
+ private:
+  void choose_ranges() {
+    double least = report_.min_psnr ? 1.0 : std::max(report_.max_error, kLeastIpr);
+    double most = kLeastIpr;
+    double least_psnr = report_.min_psnr.value_or(kMostPsnr);
+    double most_psnr = report_.min_psnr.value_or(0);
+    for (const FrontierPoint& point : points_) {
+      if (point.ipr > 0) least = std::min(least, point.ipr);
+      most = std::max(most, point.ipr);
+      least_psnr = std::min(least_psnr, point.psnr);
+      most_psnr = std::max(most_psnr, point.psnr);
+    }
+    high_decade_ = std::ceil(std::log10(std::max(most, least)) - 1e-9);
+    low_decade_ = std::min(std::floor(std::log10(least) + 1e-9), high_decade_ - kLeastDecades);
+    low_psnr_ = kPsnrStep * std::floor(least_psnr / kPsnrStep);
+    high_psnr_ = std::max(kPsnrStep * std::ceil(most_psnr / kPsnrStep), low_psnr_ + kPsnrStep);
+  }
+
+  [[nodiscard]] double x(std::uint32_t limit) const {
+    const auto count = static_cast<double>(points_.size());
+    return kLeft + (kRight - kLeft) * (limit - 0.5) / count;
+  }
+  [[nodiscard]] double y_ipr(double ipr) const {
+    const double decades = std::log10(std::max(ipr, std::pow(10.0, low_decade_)));
+    return kBottom - (kBottom - kTop) * (decades - low_decade_) / (high_decade_ - low_decade_);
+  }
+  [[nodiscard]] double y_psnr(double psnr) const {
+    return kBottom - (kBottom - kTop) * (psnr - low_psnr_) / (high_psnr_ - low_psnr_);
+  }
+
+  static std::string text(double x, double y, const char* anchor, const std::string& style,
+                          const std::string& content) {
+    return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y,
+                       anchor, style, content);
+  }
+
+  [[nodiscard]] std::string titles() const {
+    return text(20, 26, "start", "title", escape_html(primitive_.name)) +
+           text(20, 46, "start", "small",
+                fmt::format("{} triangles, views {}: error against number of buffers",
+                            format_count(primitive_.triangles), escape_html(report_.views)));
+  }
+
+  // The column of the number that was chosen.
+  [[nodiscard]] std::string marks() const {
+    const double half = 0.5 * (kRight - kLeft) / static_cast<double>(points_.size());
+    return fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
+        "style=\"fill:var(--mark)\"/>\n",
+        x(primitive_.frontier.chosen) - half, kTop, 2 * half, kBottom - kTop);
+  }
+
+  [[nodiscard]] std::string grid() const {
+    std::string svg;
+    for (double decade = low_decade_; decade <= high_decade_ + 0.5; decade += 1) {
+      const double ipr = std::pow(10.0, decade);
+      const bool stands_for_none = decade == low_decade_ && has_zero();
+      svg += fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/>\n",
+                         kLeft, kRight, y_ipr(ipr), y_ipr(ipr));
+      svg += text(kLeft - 8, y_ipr(ipr) + 4, "end", "ipr",
+                  stands_for_none ? "0" : fmt::format("{:.3g} %", 100 * ipr));
+    }
+    for (double psnr = low_psnr_; psnr <= high_psnr_ + 0.5; psnr += kPsnrStep)
+      svg += text(kRight + 8, y_psnr(psnr) + 4, "start", "psnr", fmt::format("{:.0f} dB", psnr));
+    svg += text(kLeft - 56, kTop - 10, "start", "ipr", "wrong pixels");
+    return svg + text(kRight + 56, kTop - 10, "end", "psnr", "PSNR");
+  }
+
+  [[nodiscard]] bool has_zero() const {
+    return std::any_of(points_.begin(), points_.end(),
+                       [&](const FrontierPoint& p) { return p.ipr < std::pow(10.0, low_decade_); });
+  }
+
+  [[nodiscard]] std::string target() const {
+    const double y = report_.min_psnr ? y_psnr(*report_.min_psnr) : y_ipr(report_.max_error);
+    const std::string color = report_.min_psnr ? "psnr" : "ipr";
+    const std::string words = report_.min_psnr ? fmt::format("target {:g} dB", *report_.min_psnr)
+                                               : "target " + format_percent(report_.max_error);
+    const std::string line = fmt::format(
+        "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target\" "
+        "style=\"stroke:var(--{})\"/>\n",
+        kLeft, kRight, y, y, color);
+    // Beside the axis of its measure.
+    return line + (report_.min_psnr ? text(kRight - 6, y - 6, "end", "small " + color, words)
+                                    : text(kLeft + 6, y - 6, "start", "small " + color, words));
+  }
+
+  [[nodiscard]] std::string curves() const {
+    std::string ipr;
+    std::string psnr;
+    std::string dots;
+    for (const FrontierPoint& point : points_) {
+      const double at = x(point.limit);
+      ipr += fmt::format("{:.1f},{:.1f} ", at, y_ipr(point.ipr));
+      psnr += fmt::format("{:.1f},{:.1f} ", at, y_psnr(point.psnr));
+      dots += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"7\" height=\"7\" class=\"psnr\"/>\n",
+                          at - 3.5, y_psnr(point.psnr) - 3.5);
+      dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.2\" class=\"ipr\"/>\n", at,
+                          y_ipr(point.ipr));
+    }
+    return fmt::format(
+               "<polyline points=\"{}\" class=\"line\" style=\"stroke:var(--psnr)\" "
+               "stroke-dasharray=\"7 4\"/>\n<polyline points=\"{}\" class=\"line\" "
+               "style=\"stroke:var(--ipr)\"/>\n",
+               psnr, ipr) +
+           dots;
+  }
+
+  [[nodiscard]] std::string labels() const {
+    const OrderFrontier& frontier = primitive_.frontier;
+    std::string svg;
+    for (const FrontierPoint& point : points_) {
+      svg += text(x(point.limit), kBottom + 18, "middle", "", std::to_string(point.limit));
+      svg += text(x(point.limit), kBottom + 52, "middle", "small", format_bytes(point.memory_bytes));
+    }
+    const auto word = [&](std::uint32_t limit) -> std::string {
+      if (limit == frontier.chosen) return limit == frontier.knee ? "chosen, knee" : "chosen";
+      return limit == frontier.knee ? "knee" : "";
+    };
+    for (const FrontierPoint& point : points_)
+      svg += text(x(point.limit), kBottom + 34, "middle", "small", word(point.limit));
+    return svg + text((kLeft + kRight) / 2, kBottom + 72, "middle", "small",
+                      "order buffers, and their index memory");
+  }
+
+  static constexpr double kMostPsnr = 100;
+
+  const FrontierReport& report_;
+  const PrimitiveFrontier& primitive_;
+  const std::vector<FrontierPoint>& points_;
+  double low_decade_ = -4, high_decade_ = 0, low_psnr_ = 0, high_psnr_ = 100;
+};
+
+}  // namespace
+
+std::string frontier_svg(const FrontierReport& report) {
+  const double height = kPanelHeight * static_cast<double>(report.primitives.size());
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" "
+      "height=\"{:.0f}\" role=\"img\" aria-label=\"Error against number of buffers\">\n{}\n<rect "
+      "width=\"100%\" height=\"100%\" style=\"fill:var(--ground)\"/>\n",
+      kWidth, height, kWidth, height, kStyle);
+  for (std::size_t i = 0; i < report.primitives.size(); ++i) {
+    svg += fmt::format("<g transform=\"translate(0 {:.0f})\">\n{}</g>\n",
+                       kPanelHeight * static_cast<double>(i), Panel(report, report.primitives[i]).svg());
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace pellucid

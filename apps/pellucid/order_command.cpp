@@ -7,7 +7,7 @@
 
 #include "choice.h"
 #include "cleaned.h"
-#include "frontier_output.h"
+#include "order_outcome.h"
 #include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
 #include "pellucid/shading.h"
@@ -253,44 +253,6 @@ void print_plan(const Model& model, const Selection& selection, const OrderComma
   session.print("dry run: nothing was written; sizes are estimates\n");
 }
 
-// What was reached, and by how many buffers: what the method measured itself, else the validation.
-struct Reached {
-  std::string name;
-  double ipr = -1, psnr = -1;
-  std::size_t buffers = 0;
-};
-
-Reached reached_by(const PrimitiveOrderReport& report) {
-  Reached reached{report.name, report.statistics.measured_error, report.statistics.measured_psnr,
-                  report.buffers.size()};
-  if (reached.ipr < 0 && report.error) reached.ipr = report.error->ipr_mean;
-  if (reached.psnr < 0 && report.error) reached.psnr = report.error->psnr_mean;
-  return reached;
-}
-
-Reached reached_by(const PrimitiveFrontier& primitive) {
-  const FrontierPoint& point = primitive.frontier.points[primitive.frontier.chosen - 1];
-  return {primitive.name, point.ipr, point.psnr, point.buffers};
-}
-
-void check_quality(const std::vector<Reached>& all, const OrderCommandOptions& options) {
-  if (!options.target_given) return;
-  const std::string& written = options.output.empty() ? options.frontier.front() : options.output;
-  const std::optional<double>& min_psnr = options.order.min_psnr;
-  for (const Reached& reached : all) {
-    if (min_psnr ? reached.psnr < 0 || reached.psnr >= *min_psnr : reached.ipr <= options.order.max_error)
-      continue;
-    const std::string missed =
-        min_psnr ? fmt::format("PSNR {:.2f} dB with {} buffers, asked for {:g} dB", reached.psnr,
-                               reached.buffers, *min_psnr)
-                 : fmt::format("wrong pixels {} with {} buffers, asked for {}", format_percent(reached.ipr),
-                               reached.buffers, format_percent(options.order.max_error));
-    throw Error(ErrorKind::quality_missed,
-                fmt::format("{}: {}: {} (more --max-buffers may help); {} was written all the same",
-                            options.input, reached.name, missed, written));
-  }
-}
-
 FrontierReport new_frontier_report(const OrderCommandOptions& options) {
   FrontierReport report;
   report.input = options.input;
@@ -367,7 +329,7 @@ void run_order(OrderCommandOptions options, Session& session) {
   if (!options.frontier.empty()) session.print(to_text(frontier));
   if (options.output.empty()) {
     session.write_json(to_json(frontier));
-    check_quality(reached, options);
+    if (options.target_given) check_quality(reached, options.order, options.input, options.frontier.front());
     return;
   }
 
@@ -381,7 +343,7 @@ void run_order(OrderCommandOptions options, Session& session) {
   report.peak_rss_bytes = peak_rss_bytes();
   session.print(to_text(report));
   session.write_json(to_json(report));
-  check_quality(reached, options);
+  if (options.target_given) check_quality(reached, options.order, options.input, options.output);
 }
 
 void add_order_options(CLI::App& command, OrderCommandOptions& o) {

@@ -57,9 +57,10 @@ class RowBlock {
   std::vector<std::uint32_t> read_;         // what words_ points to, where it came from a file
 };
 
-// EdgeRows sorted by back node, in half the memory: a word an edge, of which the upper half is the weight (the
-// upper 16 bits of the float, rounded: an error of 0.4 % at most) and the lower half the distance to the row's
-// last back node. An edge that is farther away comes after some of weight zero, which bridge the distance.
+// EdgeRows sorted by back node, in half the memory: a word an edge, of which the upper half is the weight
+// (the upper 16 bits of the float, rounded: an error of 0.4 % at most) and the lower half the distance to the
+// row's last back node. An edge that is farther away comes after some of weight zero, which bridge the
+// distance.
 class CompactRows {
  public:
   CompactRows() = default;

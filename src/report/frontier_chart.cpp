@@ -11,11 +11,11 @@ namespace pellucid {
 namespace {
 
 constexpr double kWidth = 680;
-constexpr double kPanelHeight = 380;
+constexpr double kPanelHeight = 390;
 constexpr double kLeft = 76;
 constexpr double kRight = 604;
-constexpr double kTop = 72;
-constexpr double kBottom = 300;
+constexpr double kTop = 86;
+constexpr double kBottom = 306;
 constexpr double kLeastDecades = 2;
 constexpr double kPsnrStep = 10;
 // An error that the log axis cannot show is drawn at its lower end.
@@ -23,15 +23,24 @@ constexpr double kLeastIpr = 1e-7;
 
 // Blue and orange stay apart for all kinds of colour vision; both have contrast on light and on dark ground.
 constexpr const char* kStyle = R"(<style>
-svg{--ground:#ffffff;--ink:#24292f;--faint:#d8dee4;--ipr:#0b62c4;--psnr:#b35900;--mark:#e8f0fa}
-@media (prefers-color-scheme:dark){svg{--ground:#12171d;--ink:#dde3ea;--faint:#39424d;--ipr:#6cb2ff;--psnr:#f2a45c;--mark:#1d2b3d}}
-text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:var(--ink)}
+text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
 .title{font-size:16px;font-weight:600}
 .small{font-size:12px}
-.ipr{fill:var(--ipr)}.psnr{fill:var(--psnr)}
-.grid{stroke:var(--faint);stroke-width:1}
+.ground{fill:#ffffff}
+.mark{fill:#e8f0fa}
+.grid{stroke:#d8dee4}
 .line{fill:none;stroke-width:2.25;stroke-linejoin:round}
 .target{stroke-width:1.5;stroke-dasharray:2 4}
+.ipr{fill:#0b62c4}.ipr-line{stroke:#0b62c4}
+.psnr{fill:#b35900}.psnr-line{stroke:#b35900}
+@media (prefers-color-scheme:dark){
+text{fill:#dde3ea}
+.ground{fill:#12171d}
+.mark{fill:#1d2b3d}
+.grid{stroke:#39424d}
+.ipr{fill:#6cb2ff}.ipr-line{stroke:#6cb2ff}
+.psnr{fill:#f2a45c}.psnr-line{stroke:#f2a45c}
+}
 </style>)";
 
 class Panel {
@@ -93,7 +102,7 @@ class Panel {
     const double half = 0.5 * (kRight - kLeft) / static_cast<double>(points_.size());
     return fmt::format(
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
-        "style=\"fill:var(--mark)\"/>\n",
+        "class=\"mark\"/>\n",
         x(primitive_.frontier.chosen) - half, kTop, 2 * half, kBottom - kTop);
   }
 
@@ -124,9 +133,8 @@ class Panel {
     const std::string words = report_.min_psnr ? fmt::format("target {:g} dB", *report_.min_psnr)
                                                : "target " + format_percent(report_.max_error);
     const std::string line = fmt::format(
-        "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target\" "
-        "style=\"stroke:var(--{})\"/>\n",
-        kLeft, kRight, y, y, color);
+        "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target {}-line\"/>\n", kLeft,
+        kRight, y, y, color);
     // Beside the axis of its measure.
     return line + (report_.min_psnr ? text(kRight - 6, y - 6, "end", "small " + color, words)
                                     : text(kLeft + 6, y - 6, "start", "small " + color, words));
@@ -146,9 +154,8 @@ class Panel {
                           y_ipr(point.ipr));
     }
     return fmt::format(
-               "<polyline points=\"{}\" class=\"line\" style=\"stroke:var(--psnr)\" "
-               "stroke-dasharray=\"7 4\"/>\n<polyline points=\"{}\" class=\"line\" "
-               "style=\"stroke:var(--ipr)\"/>\n",
+               "<polyline points=\"{}\" class=\"line psnr-line\" "
+               "stroke-dasharray=\"7 4\"/>\n<polyline points=\"{}\" class=\"line ipr-line\"/>\n",
                psnr, ipr) +
            dots;
   }
@@ -185,7 +192,7 @@ std::string frontier_svg(const FrontierReport& report) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" "
       "height=\"{:.0f}\" role=\"img\" aria-label=\"Error against number of buffers\">\n{}\n<rect "
-      "width=\"100%\" height=\"100%\" style=\"fill:var(--ground)\"/>\n",
+      "width=\"100%\" height=\"100%\" class=\"ground\"/>\n",
       kWidth, height, kWidth, height, kStyle);
   for (std::size_t i = 0; i < report.primitives.size(); ++i) {
     svg += fmt::format("<g transform=\"translate(0 {:.0f})\">\n{}</g>\n",

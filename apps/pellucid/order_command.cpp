@@ -8,11 +8,13 @@
 #include "choice.h"
 #include "cleaned.h"
 #include "order_outcome.h"
+#include "pellucid/cycles.h"
 #include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
 #include "pellucid/shading.h"
 #include "selection.h"
 #include "session.h"
+#include "splitting.h"
 #include "terminal_progress.h"
 
 namespace pellucid::cli {
@@ -40,6 +42,7 @@ struct OrderCommandOptions {
   FacingChoice facing = FacingChoice::automatic;
   SelectionOptions selection;
   CleanOptions clean;
+  SplitChoice split;
   std::uint32_t simplify = 0;
   WriteOptions write;
   bool no_bake_base = false;
@@ -156,8 +159,9 @@ std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
   return reports;
 }
 
-OrderErrorRecord validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints,
-                                 double alpha, Session& session) {
+// Fills what the report says of the error from held-out viewpoints.
+void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints, double alpha,
+                     Session& session, PrimitiveOrderReport& report) {
   MeasureOptions measure;
   measure.viewpoints = viewpoints;
   measure.size = kValidationSize;
@@ -168,9 +172,16 @@ OrderErrorRecord validate_orders(const Mesh& mesh, const OrderSet& orders, std::
   measure.min_distance = std::max(2.0, orders.valid_from);
   measure.max_distance = std::max(measure.min_distance, std::min(5.0, orders.valid_to));
   measure.progress = session.progress();
-  const DrawingMethod method{"orders",
-                             [&](const Viewpoint& viewpoint) { return ranks_from(mesh, orders, viewpoint); }};
-  const MethodQuality quality = measure_order_quality(mesh, std::span(&method, 1), measure).front();
+  std::vector<DrawingMethod> methods{
+      {"orders", [&](const Viewpoint& viewpoint) { return ranks_from(mesh, orders, viewpoint); }}};
+  // What no order gets right, where something hints at it.
+  if (report.statistics.intersecting_pairs > 0 || report.statistics.cyclic_cells > 0) {
+    methods.push_back({"best", [&](const Viewpoint& viewpoint) {
+                         return best_ranks(mesh, orders.sphere, viewpoint, measure.size, orders.facing);
+                       }});
+  }
+  const std::vector<MethodQuality> qualities = measure_order_quality(mesh, methods, measure);
+  const MethodQuality& quality = qualities.front();
   OrderErrorRecord record;
   record.viewpoints = viewpoints;
   record.size = measure.size;
@@ -178,7 +189,15 @@ OrderErrorRecord validate_orders(const Mesh& mesh, const OrderSet& orders, std::
   record.ipr_max = quality.ipr_max;
   record.psnr_mean = quality.psnr_mean;
   for (const DistanceError& bin : quality.by_distance) record.by_distance.push_back({bin.distance, bin.ipr});
-  return record;
+  report.error = record;
+  if (qualities.size() > 1) report.ipr_unavoidable = qualities.back().ipr_mean;
+}
+
+std::optional<SplitReport> split_one(Model& model, std::uint32_t index, const OrderCommandOptions& options,
+                                     Session& session) {
+  OrderOptions order = options.order;
+  order.facing = facing_of(model, model.primitives[index], options.facing);
+  return split_primitive(model, index, options.split, options.clean, order, session);
 }
 
 struct OrderedOne {
@@ -210,12 +229,14 @@ OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommand
     result = std::move(*one.frontier.frontier.result);
   }
   one.ordered.primitive = index;
+  PrimitiveOrderReport& report = one.report;
+  report.statistics = result.statistics;
   if (options.validate > 0) {
     const Stopwatch watch;
-    one.ordered.error = validate_orders(mesh, result.orders, options.validate, picture_alpha(order), session);
+    validate_orders(mesh, result.orders, options.validate, picture_alpha(order), session, report);
+    one.ordered.error = report.error;
     seconds_validate += watch.seconds();
   }
-  PrimitiveOrderReport& report = one.report;
   const std::uint32_t cache = order.cache_size > 0 ? order.cache_size : OrderOptions{}.cache_size;
   NodeSequence stored(mesh.triangles.size());
   for (std::uint32_t t = 0; t < stored.size(); ++t) stored[t] = node_of(t, false);
@@ -227,8 +248,6 @@ OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommand
   report.acmr_before = sequence_statistics(mesh, stored, CacheModel::fifo, cache).acmr;
   report.buffers = buffer_statistics(mesh, result.orders, CacheModel::fifo, cache);
   report.memory_bytes = index_bytes(result.orders, mesh);
-  report.statistics = result.statistics;
-  report.error = one.ordered.error;
   one.ordered.orders = lift_orders(std::move(result.orders), clean_mesh.source);
   return one;
 }
@@ -312,6 +331,8 @@ void run_order(OrderCommandOptions options, Session& session) {
     session.set_subject(selection.primitives.size() == 1
                             ? name
                             : fmt::format("{}/{} {}", k + 1, selection.primitives.size(), name));
+    std::optional<SplitReport> split;
+    if (options.split.split) split = split_one(model, selection.primitives[k], options, session);
     OrderedOne one = order_one(model, selection.primitives[k], options, session, report.seconds_validate);
     if (!options.frontier.empty()) frontier.primitives.push_back(std::move(one.frontier));
     stop_if_signalled();
@@ -320,6 +341,7 @@ void run_order(OrderCommandOptions options, Session& session) {
       continue;
     }
     one.report.check = checks[k];
+    one.report.split = split;
     reached.push_back(reached_by(one.report));
     ordered.push_back(std::move(one.ordered));
     report.primitives.push_back(std::move(one.report));
@@ -470,6 +492,8 @@ void add_file_options(CLI::App& command, OrderCommandOptions& o) {
              {{"keep", DuplicatePolicy::keep}, {"drop", DuplicatePolicy::drop}},
              "Triangles that are there twice (default keep)")
       ->group("Meshes");
+
+  add_split_options(command, o.split);
 
   command.add_option("--cache", o.order.cache_size, "FIFO vertex cache to optimise for; 0: not at all")
       ->check(CLI::Range(0U, 1024U))

@@ -15,6 +15,7 @@
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
+#include "pellucid/split.h"
 
 namespace pellucid {
 
@@ -43,6 +44,9 @@ struct Primitive {
   AlphaMode alpha_mode = AlphaMode::blend;  // other formats: blend
   std::array<float, 4> base_color{1, 1, 1, 1};
   std::string material_name;
+  // The mesh was split since it was read (pellucid/split.h): its last vertices are these, and its triangles
+  // are the pieces. write_model interpolates the attributes that only the document knows.
+  std::optional<std::vector<SplitVertex>> new_vertices;
   std::optional<OrderSet> orders;  // from the extension, validated; nodes refer to mesh.triangles
   std::optional<OrderErrorRecord> order_error;
 };
@@ -103,13 +107,18 @@ struct WriteReport {
 // Write `model` with the given orders as .glb or .gltf (by extension of `path`). Models of other formats get
 // a minimal document of their own. The file holds exactly the given orders: those that `model` came with and
 // are not given again are taken out, so an empty list strips it. Triangles that `base_sequence` leaves out
-// follow at its end. Files appear whole or not at all. Same input, same bytes. Throws Error{cannot_write |
-// bad_argument}, Error{nothing_to_do} for a model without geometry.
+// follow at its end. Primitives that were split get accessors of their own. Files appear whole or not at all.
+// Same input, same bytes. Throws Error{cannot_write | bad_argument}, Error{nothing_to_do} for a model without
+// geometry.
 WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered,
                         const std::string& path, const WriteOptions& options = {});
 
 // A model of meshes made by a program (samples, tests): one glTF mesh and node per part.
 Model make_model(const std::vector<SamplePart>& parts, const std::string& name);
+
+// May the triangles of a primitive be others than those of the file? False where it has an extension that may
+// number them.
+bool triangles_may_change(const Model& model, std::uint32_t primitive);
 
 // Bytes that the index data of an order set takes in memory when drawn: 2 or 4 bytes an index.
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh);

@@ -61,6 +61,15 @@ std::vector<BufferStatistics> buffer_statistics(const Mesh& mesh, const OrderSet
 // All buffers as one: ratios over the sums.
 BufferStatistics pooled(std::span<const BufferStatistics> buffers);
 
+// What --split did to a primitive.
+struct SplitReport {
+  std::uint64_t intersecting_pairs = 0, pairs_left = 0;
+  std::uint32_t viewpoints = 0;  // that cycles were looked for from
+  std::uint32_t cyclic_before = 0, cyclic_left = 0;
+  std::uint64_t added_by_intersections = 0, added_by_cycles = 0;  // triangles
+  bool limit_met = false;
+};
+
 struct PrimitiveOrderReport {
   std::string name;
   std::uint32_t primitive = 0;
@@ -72,6 +81,10 @@ struct PrimitiveOrderReport {
   std::uint64_t memory_bytes = 0;  // index data when drawn
   OrderStatistics statistics;
   std::optional<OrderErrorRecord> error;  // held-out viewpoints, when validated
+  // Of these, share of pixels that stay wrong in the best order found for each viewpoint alone; < 0: not
+  // measured.
+  double ipr_unavoidable = -1;
+  std::optional<SplitReport> split;
 };
 
 struct OrderReport {

@@ -2,82 +2,17 @@
 #include "accessor_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "component.h"
 #include "meshopt_view.h"
 
 namespace pellucid {
 namespace {
 
-enum ComponentType : std::uint64_t {
-  signed_byte = 5120,
-  unsigned_byte = 5121,
-  signed_short = 5122,
-  unsigned_short = 5123,
-  unsigned_int = 5125,
-  single_float = 5126,
-};
-
 // Keeps every product below far from 2^64.
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 32U;
-
-std::uint64_t bytes_of(std::uint64_t component_type) {
-  switch (component_type) {
-    case signed_byte:
-    case unsigned_byte:
-      return 1;
-    case signed_short:
-    case unsigned_short:
-      return 2;
-    case unsigned_int:
-    case single_float:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-template <class Component>
-Component component_at(const Bytes& bytes, std::size_t at) {
-  Component value{};
-  std::memcpy(&value, bytes.data() + at, sizeof(value));
-  return value;
-}
-
-// Normalised integers map to [-1, 1] or [0, 1] (section 3.11); others are taken as they are.
-template <class Integer>
-float to_real(Integer value, bool normalized) {
-  if (!normalized) return static_cast<float>(value);
-  return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<Integer>::max()), -1.0F);
-}
-
-float real_at(const Bytes& bytes, std::size_t at, std::uint64_t component_type, bool normalized) {
-  switch (component_type) {
-    case signed_byte:
-      return to_real(component_at<std::int8_t>(bytes, at), normalized);
-    case unsigned_byte:
-      return to_real(component_at<std::uint8_t>(bytes, at), normalized);
-    case signed_short:
-      return to_real(component_at<std::int16_t>(bytes, at), normalized);
-    case unsigned_short:
-      return to_real(component_at<std::uint16_t>(bytes, at), normalized);
-    default:
-      return component_at<float>(bytes, at);
-  }
-}
-
-std::uint32_t scalar_at(const Bytes& bytes, std::size_t at, std::uint64_t component_type) {
-  switch (component_type) {
-    case unsigned_byte:
-      return component_at<std::uint8_t>(bytes, at);
-    case unsigned_short:
-      return component_at<std::uint16_t>(bytes, at);
-    default:
-      return component_at<std::uint32_t>(bytes, at);
-  }
-}
 
 }  // namespace
 
@@ -152,6 +87,29 @@ std::vector<std::uint32_t> AccessorReader::read_scalars(std::uint64_t index) {
     values[i] = scalar_at(bytes, i * layout.element_bytes, layout.component_type);
   }
   return values;
+}
+
+AccessorReader::Elements AccessorReader::read_elements(std::uint64_t index) {
+  static const std::map<std::string, std::uint64_t> kComponents{
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+  const Fields source = accessor(index);
+  Elements result;
+  result.type = source.text("type");
+  const auto known = kComponents.find(result.type);
+  if (known == kComponents.end()) source.fail("type " + result.type.substr(0, 20) + " does not exist");
+  Layout layout = layout_of(source, result.type, known->second);
+  // Columns of matrices begin at multiples of four bytes (section 3.6.2.4).
+  if (result.type == "MAT2" && layout.component_bytes == 1) layout.element_bytes = 8;
+  if (result.type == "MAT3" && layout.component_bytes == 1) layout.element_bytes = 12;
+  if (result.type == "MAT3" && layout.component_bytes == 2) layout.element_bytes = 24;
+  charge(source, layout.count, max_elements_);
+  result.component_type = layout.component_type;
+  result.component_bytes = layout.component_bytes;
+  result.components = known->second;
+  result.element_bytes = layout.element_bytes;
+  result.normalized = layout.normalized;
+  result.bytes = elements(source, layout);
+  return result;
 }
 
 Bytes AccessorReader::elements(const Fields& accessor, const Layout& layout) {

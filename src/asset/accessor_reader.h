@@ -19,6 +19,17 @@ class AccessorReader {
   // SCALAR, unsigned 8-, 16- or 32-bit, not normalised.
   std::vector<std::uint32_t> read_scalars(std::uint64_t accessor);
 
+  // Of any type, as stored, back to back: strides, sparse parts and compression resolved.
+  struct Elements {
+    std::string type;  // "VEC3"
+    std::uint64_t component_type = 0, component_bytes = 0, components = 0;
+    std::uint64_t element_bytes = 0;
+    bool normalized = false;
+    Bytes bytes;
+    [[nodiscard]] std::uint64_t count() const { return bytes.size() / element_bytes; }
+  };
+  Elements read_elements(std::uint64_t accessor);
+
   [[nodiscard]] std::uint64_t count(std::uint64_t accessor) const;
   // Largest value of the component type of an index accessor: glTF forbids it as an index ("primitive
   // restart").

@@ -175,6 +175,10 @@ std::uint64_t DocumentEditor::append_accessor(std::uint64_t view, std::uint64_t 
   accessor["componentType"] = static_cast<std::uint32_t>(width);
   accessor["count"] = count;
   accessor["type"] = "SCALAR";
+  return append_accessor(std::move(accessor));
+}
+
+std::uint64_t DocumentEditor::append_accessor(Json accessor) {
   return append("accessors", std::move(accessor));
 }
 

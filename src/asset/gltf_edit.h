@@ -43,6 +43,7 @@ class DocumentEditor {
   std::uint64_t append_compressed_view(const Range& fallback, const Range& compressed, IndexWidth width);
   std::uint64_t append_accessor(std::uint64_t view, std::uint64_t offset, IndexWidth width,
                                 std::uint64_t count);
+  std::uint64_t append_accessor(Json accessor);
 
   // Overwrite bytes of a buffer.
   void overwrite(std::uint64_t buffer, std::uint64_t offset, const Bytes& bytes);

@@ -11,14 +11,15 @@
 #include "minimal_document.h"
 #include "order_check.h"
 #include "order_extension.h"
+#include "split_attributes.h"
 
 namespace pellucid {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Extensions of a primitive that do not depend on the order of its triangles.
-constexpr std::array kOrderFreeExtensions = {"KHR_materials_variants", "EXT_mesh_features",
+// Extensions of a primitive that do not depend on the order of its triangles; our own is written anew.
+constexpr std::array kOrderFreeExtensions = {kOrderExtension, "KHR_materials_variants", "EXT_mesh_features",
                                              "EXT_structural_metadata", "CESIUM_primitive_outline"};
 
 bool order_may_change(const Json& primitive) {
@@ -40,7 +41,10 @@ class ModelWriter {
 
   WriteReport write() {
     editor_.remove_orders();
-    if (model_.document != nullptr) write_bases();
+    if (model_.document != nullptr) {
+      append_vertices();
+      write_bases();
+    }
     for (const OrderedPrimitive* entry : ordered_) write_orders(*entry);
     return write_files();
   }
@@ -84,31 +88,47 @@ class ModelWriter {
     return base;
   }
 
+  void append_vertices() {
+    for (std::size_t p = 0; p < model_.primitives.size(); ++p) {
+      const Primitive& primitive = model_.primitives[p];
+      if (!primitive.new_vertices) continue;
+      append_split_vertices(editor_, editor_.primitive(written_[p].mesh, written_[p].index), primitive);
+    }
+  }
+
   // Before all orders, so that orders end the file and can be taken off again.
   void write_bases() {
     const std::vector<bool> exclusive = exclusive_index_accessors(editor_.document());
-    for (const OrderedPrimitive* entry : ordered_) {
-      WrittenPrimitive& written = written_[entry->primitive];
+    std::vector<const OrderedPrimitive*> entries(model_.primitives.size(), nullptr);
+    for (const OrderedPrimitive* entry : ordered_) entries[entry->primitive] = entry;
+    for (std::size_t p = 0; p < entries.size(); ++p) {
+      const Primitive& primitive = model_.primitives[p];
+      if (entries[p] == nullptr && !primitive.new_vertices) continue;
+      WrittenPrimitive& written = written_[p];
       Json& json = editor_.primitive(written.mesh, written.index);
       const bool is_list = json.value("mode", 4) == 4;
       std::vector<std::uint32_t> base = written.base;
-      if (options_.bake_base && order_may_change(json)) base = complete_base(*entry);
-      if (is_list && base == written.base) continue;
+      if (entries[p] != nullptr && options_.bake_base && order_may_change(json)) {
+        base = complete_base(*entries[p]);
+      }
+      if (is_list && base == written.base && !primitive.new_vertices) continue;
       written.base = std::move(base);
-      write_base(json, model_.primitives[entry->primitive].mesh, written.base, exclusive);
+      write_base(json, primitive, written.base, exclusive);
       if (!is_list) json["mode"] = 4;
     }
   }
 
-  void write_base(Json& primitive, const Mesh& mesh, const std::vector<std::uint32_t>& base,
+  void write_base(Json& json, const Primitive& primitive, const std::vector<std::uint32_t>& base,
                   const std::vector<bool>& exclusive) {
+    const Mesh& mesh = primitive.mesh;
     std::vector<std::uint32_t> indices;
     indices.reserve(3 * base.size());
     for (const std::uint32_t triangle : base) {
       indices.insert(indices.end(), mesh.triangles[triangle].begin(), mesh.triangles[triangle].end());
     }
-    if (primitive.contains("indices")) {
-      const auto id = primitive["indices"].get<std::uint64_t>();
+    // New vertices may have numbers that the file's own index type cannot hold.
+    if (json.contains("indices") && !primitive.new_vertices) {
+      const auto id = json["indices"].get<std::uint64_t>();
       const Json& accessor = editor_.document().json["accessors"][id];
       // A strip or fan has fewer indices than its list of triangles.
       if (exclusive[id] && accessor["count"] == indices.size()) {
@@ -124,7 +144,7 @@ class ModelWriter {
     const IndexWidth width = vertex_index_width(mesh.positions.size());
     const std::uint64_t view =
         editor_.append_view(editor_.append_bytes(editor_.host_buffer(), pack(indices, width)));
-    primitive["indices"] = editor_.append_accessor(view, 0, width, indices.size());
+    json["indices"] = editor_.append_accessor(view, 0, width, indices.size());
   }
 
   std::uint64_t side_buffer(const std::string& suffix) {
@@ -257,6 +277,13 @@ class ModelWriter {
 
 }  // namespace
 
+bool triangles_may_change(const Model& model, std::uint32_t primitive) {
+  if (model.document == nullptr) return true;
+  const Primitive& entry = model.primitives[primitive];
+  return order_may_change(
+      model.document->json["meshes"][entry.mesh_index]["primitives"][entry.primitive_index]);
+}
+
 WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered,
                         const std::string& path, const WriteOptions& options) {
   const std::string extension = fs::path(path).extension().string();
@@ -264,6 +291,13 @@ WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>&
     throw Error(ErrorKind::bad_argument, path + ": orders are written as .glb or .gltf");
   }
   check_orders(model, ordered);
+  for (std::uint32_t p = 0; p < model.primitives.size(); ++p) {
+    if (model.primitives[p].new_vertices && !triangles_may_change(model, p)) {
+      throw Error(ErrorKind::bad_argument,
+                  model.path + ": " + model.primitives[p].name +
+                      ": it has an extension that numbers its triangles: it cannot be split");
+    }
+  }
   try {
     return ModelWriter(model, ordered, path, options).write();
   } catch (const nlohmann::json::exception& error) {

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "pellucid/order.h"
+#include "pellucid/split.h"
 
 namespace pellucid {
 namespace {
@@ -186,20 +187,12 @@ class BspBuilder {
              std::vector<Polygon>& back) {
     Polygon near{{}, polygon.source};
     Polygon far{{}, polygon.source};
-    const std::size_t count = polygon.corners.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t a = polygon.corners[i];
-      const std::uint32_t b = polygon.corners[(i + 1) % count];
-      const double ha = height(plane, a);
-      const double hb = height(plane, b);
-      if (ha >= -kThickness) near.corners.push_back(a);
-      if (ha <= kThickness) far.corners.push_back(a);
-      if ((ha > kThickness && hb < -kThickness) || (ha < -kThickness && hb > kThickness)) {
-        const std::uint32_t cut = cut_edge(a, b, ha, hb);
-        near.corners.push_back(cut);
-        far.corners.push_back(cut);
-      }
-    }
+    std::vector<double> heights;
+    for (const std::uint32_t corner : polygon.corners) heights.push_back(height(plane, corner));
+    cut_convex(
+        polygon.corners, heights, kThickness,
+        [this](std::uint32_t a, std::uint32_t b, double ha, double hb) { return cut_edge(a, b, ha, hb); },
+        near.corners, far.corners);
     front.push_back(std::move(near));
     back.push_back(std::move(far));
     ++tree_.splits;

@@ -15,6 +15,7 @@
 #include "pellucid/shading.h"
 #include "refine.h"
 #include "sequence.h"
+#include "strong_components.h"
 #include "upsample.h"
 #include "validation.h"
 
@@ -221,6 +222,8 @@ class Orderer {
     for (const CompactRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
     total_weight_ = graph.total_weight;
     statistics.intersecting_pairs = graph.intersecting;
+    // The acyclic method counts them itself as it breaks their cycles.
+    if (options_.method == OrderMethod::budget) statistics.cyclic_cells = count_cyclic_cells(graph);
   }
 
   Clustering cluster() {

@@ -25,6 +25,20 @@ Json json_of(const OrderErrorRecord& error) {
           {"by_distance", std::move(by_distance)}};
 }
 
+Json json_of(const SplitReport& split) {
+  return {{"intersecting_pairs", {{"before", split.intersecting_pairs}, {"after", split.pairs_left}}},
+          {"cyclic_viewpoints",
+           {{"of", split.viewpoints}, {"before", split.cyclic_before}, {"after", split.cyclic_left}}},
+          {"added_triangles",
+           {{"intersections", split.added_by_intersections}, {"cycles", split.added_by_cycles}}},
+          {"limit_met", split.limit_met}};
+}
+
+// Values below 0 were not measured.
+Json json_or_null(double value) {
+  return value < 0 ? Json(nullptr) : Json(value);
+}
+
 Json json_of(const PrimitiveOrderReport& primitive) {
   const OrderStatistics& s = primitive.statistics;
   const BufferStatistics pool = pooled(primitive.buffers);
@@ -50,9 +64,11 @@ Json json_of(const PrimitiveOrderReport& primitive) {
                {"violated_weight", s.violated_weight},
                {"clusters_before_relaxation", s.clusters_before_relaxation},
                {"iterations", s.iterations},
-               {"training_ipr", s.measured_error < 0 ? Json(nullptr) : Json(s.measured_error)},
-               {"training_psnr", s.measured_psnr < 0 ? Json(nullptr) : Json(s.measured_psnr)},
+               {"training_ipr", json_or_null(s.measured_error)},
+               {"training_psnr", json_or_null(s.measured_psnr)},
                {"error", primitive.error ? json_of(*primitive.error) : Json(nullptr)},
+               {"ipr_unavoidable", json_or_null(primitive.ipr_unavoidable)},
+               {"split", primitive.split ? json_of(*primitive.split) : Json(nullptr)},
                {"seconds",
                 {{"total", s.seconds.total},
                  {"graph", s.seconds.graph},
@@ -70,6 +86,28 @@ std::string problems_of(const MeshReport& check) {
   add(check.out_of_range, "out of range");
   add(check.non_finite, "not finite");
   add(check.degenerate, "degenerate");
+  return text;
+}
+
+// What has no right order, and what was done about it.
+std::string unordered_text(const PrimitiveOrderReport& primitive) {
+  std::string text;
+  if (primitive.split) {
+    const SplitReport& split = *primitive.split;
+    text += fmt::format(
+        "{}: split: intersecting pairs {}, left {}; viewpoints with cycles {} of {}, left {}; {} triangles "
+        "added{}\n",
+        primitive.name, format_count(split.intersecting_pairs), format_count(split.pairs_left),
+        split.cyclic_before, split.viewpoints, split.cyclic_left,
+        format_count(split.added_by_intersections + split.added_by_cycles),
+        split.limit_met ? ", the limit: --split-limit" : "");
+  }
+  if (primitive.ipr_unavoidable > 0) {
+    text +=
+        fmt::format("{}: wrong pixels that no order avoids, as faces intersect or overlap in cycles: {}{}\n",
+                    primitive.name, format_percent(primitive.ipr_unavoidable),
+                    primitive.split ? "" : " (--split cuts them)");
+  }
   return text;
 }
 
@@ -174,6 +212,7 @@ std::string to_text(const OrderReport& report) {
                       primitive.error->size, format_percent(primitive.error->ipr_mean),
                       format_percent(primitive.error->ipr_max), format_fixed(primitive.error->psnr_mean, 1));
     }
+    text += unordered_text(primitive);
   }
   text += fmt::format("{}: {} ({} for orders), method {}, views {}, seed {}\n", report.output,
                       format_bytes(report.file_bytes), format_bytes(report.disk_bytes), report.method,

@@ -57,6 +57,27 @@ TEST(JsonContract, Order) {
   EXPECT_EQ(json["distances"][1], "inf");
 }
 
+TEST(JsonContract, OrderOfWhatWasSplit) {
+  OrderReport report = order_report();
+  report.primitives[0].split = SplitReport{151, 2, 162, 7, 1, 332, 12, true};
+  report.primitives[0].ipr_unavoidable = 0.004;
+  const Json json = Json::parse(to_json(report));
+  const Json& split = json["primitives"][0]["split"];
+  EXPECT_EQ(split["intersecting_pairs"], Json({{"before", 151}, {"after", 2}}));
+  EXPECT_EQ(split["cyclic_viewpoints"], Json({{"of", 162}, {"before", 7}, {"after", 1}}));
+  EXPECT_EQ(split["added_triangles"], Json({{"intersections", 332}, {"cycles", 12}}));
+  EXPECT_EQ(split["limit_met"], true);
+  EXPECT_EQ(json["primitives"][0]["ipr_unavoidable"], 0.004);
+  EXPECT_TRUE(json["primitives"][1]["split"].is_null());
+  EXPECT_TRUE(json["primitives"][1]["ipr_unavoidable"].is_null());
+  const std::string text = to_text(report);
+  EXPECT_NE(
+      text.find("intersecting pairs 151, left 2; viewpoints with cycles 7 of 162, left 1; 344 triangles"),
+      std::string::npos);
+  EXPECT_NE(text.find("no order avoids, as faces intersect or overlap in cycles: 0.40 %"), std::string::npos)
+      << text;
+}
+
 TEST(JsonContract, Measure) {
   const Json json = Json::parse(to_json(testing::measured("quad")));
   expect_keys(json, {"schema", "input", "ipr", "psnr", "by_distance", "acmr", "atvr", "overdraw",

@@ -43,12 +43,12 @@ TEST(Frontier, IsJudgedByTheMeasureOfTheTarget) {
 }
 
 TEST(Frontier, ChoosesTheFewestThatMeetTheTarget) {
-  std::vector<FrontierPoint> points = points_of({0.1, 0.01, 0.002, 0.0019, 0.0018});
+  std::vector<FrontierPoint> points = points_of({0.1, 0.01, 0.002, 0.0019, 0.00185});
   for (const auto& [target, chosen] : {std::pair{0.5, 1U}, {0.01, 2U}, {0.0019, 4U}}) {
     keep_best(points, {target, {}});
     EXPECT_EQ(chosen_limit(points, {target, {}}), chosen) << target;
   }
-  // Out of reach: 4 and 5 buffers lower the error of 3 by a tenth together, each alone by less.
+  // Out of reach: 4 and 5 buffers lower the error of 3 by less than a tenth.
   keep_best(points, {0, {}});
   EXPECT_EQ(chosen_limit(points, {0, {}}), 3U);
 }

@@ -73,6 +73,19 @@ std::string problems_of(const MeshReport& check) {
   return text;
 }
 
+std::string bounds_of(const PrimitiveOrderReport& primitive) {
+  const OrderStatistics& s = primitive.statistics;
+  std::string text = fmt::format(
+      "{}: {} of the overlapped area in the wrong order at the samples (these buffers' views: at least {}, "
+      "any "
+      "number of buffers: {}); {} regions, {} switches a turn",
+      primitive.name, format_percent(s.violated_weight), format_percent(s.violated_bound),
+      format_percent(s.violated_floor), s.regions, format_fixed(s.switches_per_turn, 1));
+  if (s.clusters_lower_bound > 0)
+    text += fmt::format("; at least {} acyclic buffers", s.clusters_lower_bound);
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string to_json(const OrderReport& report) {
@@ -167,6 +180,7 @@ std::string to_text(const OrderReport& report) {
   for (const PrimitiveOrderReport& primitive : report.primitives) {
     const std::string problems = problems_of(primitive.check);
     if (!problems.empty()) text += fmt::format("{}: left out triangles: {}\n", primitive.name, problems);
+    text += bounds_of(primitive);
     if (primitive.error) {
       text +=
           fmt::format("{}: {} held-out viewpoints at {}x{}: wrong pixels mean {}, worst {}; PSNR {} dB\n",

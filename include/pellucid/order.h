@@ -79,8 +79,13 @@ struct OrderStatistics {
   std::uint32_t cyclic_cells = 0;        // cells whose own union of kept edges is cyclic
   std::uint64_t dropped_edges = 0;       // acyclic: lightest edges removed to break those cycles
   double dropped_weight = 0;             //   their share of all weight
-  double violated_weight = 0;  // share of the overlapped area drawn in the wrong order, at the samples
+  double violated_weight = 0;    // share of the overlapped area drawn in the wrong order, at the samples
+  double violated_floor = 0;     //   at least so much for any number of buffers over these cells
+  double violated_bound = 0;     //   at least so much for any orders of these clusters
+  std::uint32_t regions = 0;     // connected parts of the sphere of views, each drawn by one buffer
+  double switches_per_turn = 0;  // buffer changes while the camera goes once around: mean over great circles
   std::uint32_t clusters_before_relaxation = 0;  // acyclic
+  std::uint32_t clusters_lower_bound = 0;        // acyclic: cells that contradict each other pairwise; else 0
   std::uint32_t iterations = 0;                  // budget: k-means rounds; acyclic: relaxation rounds
   double measured_error = -1;                    // IPR on the validation viewpoints; -1: not measured
   double measured_psnr = -1;  // PSNR there, dB, if the options asked for it; -1: not measured

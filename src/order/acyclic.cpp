@@ -11,6 +11,7 @@
 #include <queue>
 #include <set>
 
+#include "conflicts.h"
 #include "edge_set.h"
 #include "linear_order.h"
 
@@ -39,6 +40,8 @@ class AcyclicClustering {
     merge_greedily();
     statistics_.clusters_before_relaxation = static_cast<std::uint32_t>(live_clusters().size());
     relax();
+    statistics_.clusters_lower_bound =
+        static_cast<std::uint32_t>(contradicting_cells(table_, cell_edges_).size());
     return result();
   }
 

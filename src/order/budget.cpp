@@ -226,6 +226,7 @@ Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, con
   std::vector<double> table = violation_table(graph, current.ranks);
   reassign_cells(table, current);
   Clustering best = current;
+  std::vector<double> best_table = table;
   // The cells that the orders were last made for, and the lightness of the edges then left out.
   std::vector<std::uint32_t> ordered_for;
   float ordered_light = 0;
@@ -245,7 +246,10 @@ Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, con
     table = violation_table(graph, current.ranks);
     reassign_cells(table, current);
     current.rounds = round + 1;
-    if (current.violated < best.violated) best = current;
+    if (current.violated < best.violated) {
+      best = current;
+      best_table = table;
+    }
     // Rounds that gain little end the search, after one over all edges if there was none yet.
     if (!last && before - best.violated <= options.least_gain * before) {
       if (options.light == 0) break;
@@ -253,6 +257,10 @@ Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, con
     }
   }
   best.rounds = current.rounds;
+  if (options.partition != nullptr) {
+    best.violated = join_neighbors(*options.partition, best_table, best.cluster_count(), options.contiguity,
+                                   best.cluster_of);
+  }
   return best;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "contiguity.h"
 #include "linear_order.h"
 #include "occlusion_graph.h"
 #include "pellucid/view.h"
@@ -34,10 +35,14 @@ struct KMeansOptions {
   double least_gain = 1e-3;  // stop when a round lowers the violated weight by less than this share
   // Rounds but the last leave out a cluster's edges lighter than this per cell: most edges, little weight.
   float light = 0;
+  // In the end cells may go to their neighbours' orders; needs the partition.
+  ContiguityOptions contiguity;
+  const ViewPartition* partition = nullptr;
   Progress* progress = nullptr;
 };
 
-// Alternate (1) and (2) from `start`, whose ranks must be filled; never ends worse than it starts.
+// Alternate (1) and (2) from `start`, whose ranks must be filled; never ends worse than it starts but by what
+// `contiguity` allows.
 Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, const KMeansOptions& options);
 
 // Orders that no cell uses (there were more than cells, or fewer already suffice) left out, the rest

@@ -20,6 +20,9 @@ constexpr std::uint32_t kFineRounds = 2;   // rounds on the full mesh
 constexpr float kLight = 1e-6F;            // mean square radii: left out of all fine rounds but the last
 // The full mesh's error over the coarse mesh's, before any is known: finer triangles leave less to get wrong.
 constexpr double kFinePerCoarse = 0.4;
+// What a cell may violate more than by its best order to have that of its neighbours: a share of what it
+// violates, or half a pixel of a 1024 x 1024 picture.
+constexpr ContiguityOptions kContiguity{0.05, 2e-6};
 constexpr std::uint32_t kPatience = 3;  // buffers that are not worthwhile, one after another: enough
 
 class BudgetSearch {
@@ -117,7 +120,10 @@ class BudgetSearch {
     const auto best =
         std::min_element(trials.begin(), trials.end(),
                          [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
-    return coarse_solutions_.emplace(count, improve_clustering(coarse_.graph, std::move(*best), {}))
+    KMeansOptions further;
+    further.contiguity = kContiguity;
+    further.partition = &coarse_.partition;
+    return coarse_solutions_.emplace(count, improve_clustering(coarse_.graph, std::move(*best), further))
         .first->second;
   }
 
@@ -138,6 +144,8 @@ class BudgetSearch {
       options.rounds = kFineRounds;
       options.least_gain = 0.02;
       options.light = kLight;
+      options.contiguity = kContiguity;
+      options.partition = &fine_.partition;
       options.progress = options_.progress;
       result.clustering = improve_clustering(fine_.graph, std::move(start), options);
     }

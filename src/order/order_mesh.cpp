@@ -8,7 +8,9 @@
 
 #include "acyclic.h"
 #include "base_sequence.h"
+#include "bounds.h"
 #include "budget_search.h"
+#include "contiguity.h"
 #include "frontier.h"
 #include "order_problem.h"
 #include "pellucid/order.h"
@@ -291,11 +293,14 @@ class Orderer {
     return point;
   }
 
-  NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering,
-                                std::uint32_t c) const {
+  // And the weight that any order of the cluster violates.
+  NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering, std::uint32_t c,
+                                double& unavoidable) const {
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, c);
     const std::vector<std::uint8_t> drawn = visible_nodes(problem, cells, range_, options_.facing);
     const std::vector<std::uint32_t>& ranks = clustering.ranks[c];
+    const EdgeRows edges = sum_cells(problem.graph, cells);
+    unavoidable = unavoidable_weight(edges, ranks);
     if (options_.cache_size == 0) return rank_sequence(ranks, drawn);
     SequenceOptions sequence;
     sequence.method = options_.cache_method;
@@ -304,12 +309,13 @@ class Orderer {
       sequence.least_binding = kLeastBindingWeight;
       sequence.slack = options_.cache_slack * static_cast<double>(cells.size());
     }
-    return cache_aware_sequence(*problem.mesh, sum_cells(problem.graph, cells), ranks, drawn, sequence);
+    return cache_aware_sequence(*problem.mesh, edges, ranks, drawn, sequence);
   }
 
   std::vector<NodeSequence> make_sequences(const OrderProblem& problem, const Clustering& clustering) {
     begin_stage(options_.progress, "sequences", clustering.cluster_count());
     std::vector<NodeSequence> sequences(clustering.cluster_count());
+    std::vector<double> unavoidable(clustering.cluster_count(), 0.0);
     // A few clusters at a time: the summed edges of one may take some 100 MB.
     const std::uint32_t at_once =
         problem.graph.spilled ? clustering.cluster_count()
@@ -320,11 +326,17 @@ class Orderer {
         [&](const tbb::blocked_range<std::uint32_t>& some) {
           for (std::uint32_t c = some.begin(); c < some.end(); ++c) {
             stop_if_requested(options_.progress);
-            sequences[c] = sequence_cluster(problem, clustering, c);
+            sequences[c] = sequence_cluster(problem, clustering, c, unavoidable[c]);
             advance_stage(options_.progress, 1);
           }
         },
         tbb::simple_partitioner());
+    // What the cells cannot avoid, their clusters cannot either.
+    OrderStatistics& statistics = result_.statistics;
+    statistics.violated_floor = share_of_weight(unavoidable_in_cells(problem.graph, clustering));
+    statistics.violated_bound =
+        std::max(statistics.violated_floor,
+                 share_of_weight(std::accumulate(unavoidable.begin(), unavoidable.end(), 0.0)));
     return sequences;
   }
 
@@ -401,6 +413,9 @@ class Orderer {
     set.valid_to = range_.to;
     set.facing = options_.facing;
     set.cell_orders = clustering.cluster_of;
+    const ViewPartition partition = make_partition(options_.partition);
+    result_.statistics.regions = find_regions(partition, set.cell_orders).count;
+    result_.statistics.switches_per_turn = switches_per_turn(partition, set.cell_orders);
   }
 
   const Mesh& mesh_;

@@ -44,37 +44,43 @@ Json json_of(const PrimitiveOrderReport& primitive) {
   const BufferStatistics pool = pooled(primitive.buffers);
   Json buffers = Json::array();
   for (const BufferStatistics& buffer : primitive.buffers) buffers.push_back(json_of(buffer));
-  Json json = {{"primitive", primitive.primitive},
-               {"name", primitive.name},
-               {"triangles", primitive.triangles},
-               {"vertices", primitive.vertices},
-               {"check", json_of(primitive.check)},
-               {"buffer_count", primitive.buffers.size()},
-               {"buffers", std::move(buffers)},
-               {"acmr_before", primitive.acmr_before},
-               {"acmr", pool.acmr},
-               {"acmr_drawn", pool.acmr_drawn},
-               {"memory_bytes", primitive.memory_bytes},
-               {"viewpoints", s.viewpoints},
-               {"edges_per_viewpoint", s.edges_per_viewpoint},
-               {"edges_total", s.edges_total},
-               {"intersecting_pairs", s.intersecting_pairs},
-               {"dropped_edges", {{"count", s.dropped_edges}, {"weight", s.dropped_weight}}},
-               {"cyclic_cells", s.cyclic_cells},
-               {"violated_weight", s.violated_weight},
-               {"clusters_before_relaxation", s.clusters_before_relaxation},
-               {"iterations", s.iterations},
-               {"training_ipr", json_or_null(s.measured_error)},
-               {"training_psnr", json_or_null(s.measured_psnr)},
-               {"error", primitive.error ? json_of(*primitive.error) : Json(nullptr)},
-               {"ipr_unavoidable", json_or_null(primitive.ipr_unavoidable)},
-               {"split", primitive.split ? json_of(*primitive.split) : Json(nullptr)},
-               {"seconds",
-                {{"total", s.seconds.total},
-                 {"graph", s.seconds.graph},
-                 {"cluster", s.seconds.cluster},
-                 {"sequence", s.seconds.sequence},
-                 {"refine", s.seconds.refine}}}};
+  Json json = {
+      {"primitive", primitive.primitive},
+      {"name", primitive.name},
+      {"triangles", primitive.triangles},
+      {"vertices", primitive.vertices},
+      {"check", json_of(primitive.check)},
+      {"buffer_count", primitive.buffers.size()},
+      {"buffers", std::move(buffers)},
+      {"acmr_before", primitive.acmr_before},
+      {"acmr", pool.acmr},
+      {"acmr_drawn", pool.acmr_drawn},
+      {"memory_bytes", primitive.memory_bytes},
+      {"viewpoints", s.viewpoints},
+      {"edges_per_viewpoint", s.edges_per_viewpoint},
+      {"edges_total", s.edges_total},
+      {"intersecting_pairs", s.intersecting_pairs},
+      {"dropped_edges", {{"count", s.dropped_edges}, {"weight", s.dropped_weight}}},
+      {"cyclic_cells", s.cyclic_cells},
+      {"violated_weight", s.violated_weight},
+      {"violated_floor", s.violated_floor},
+      {"violated_bound", s.violated_bound},
+      {"regions", s.regions},
+      {"switches_per_turn", s.switches_per_turn},
+      {"clusters_lower_bound", s.clusters_lower_bound == 0 ? Json(nullptr) : Json(s.clusters_lower_bound)},
+      {"clusters_before_relaxation", s.clusters_before_relaxation},
+      {"iterations", s.iterations},
+      {"training_ipr", json_or_null(s.measured_error)},
+      {"training_psnr", json_or_null(s.measured_psnr)},
+      {"error", primitive.error ? json_of(*primitive.error) : Json(nullptr)},
+      {"ipr_unavoidable", json_or_null(primitive.ipr_unavoidable)},
+      {"split", primitive.split ? json_of(*primitive.split) : Json(nullptr)},
+      {"seconds",
+       {{"total", s.seconds.total},
+        {"graph", s.seconds.graph},
+        {"cluster", s.seconds.cluster},
+        {"sequence", s.seconds.sequence},
+        {"refine", s.seconds.refine}}}};
   return json;
 }
 
@@ -109,6 +115,18 @@ std::string unordered_text(const PrimitiveOrderReport& primitive) {
                     primitive.split ? "" : " (--split cuts them)");
   }
   return text;
+}
+
+std::string bounds_of(const PrimitiveOrderReport& primitive) {
+  const OrderStatistics& s = primitive.statistics;
+  std::string text = fmt::format(
+      "{}: {} of the overlapped area in the wrong order at the samples (at least {} for these clusters, {} "
+      "for any number of buffers); {} regions, {} switches a turn",
+      primitive.name, format_percent(s.violated_weight), format_percent(s.violated_bound),
+      format_percent(s.violated_floor), s.regions, format_fixed(s.switches_per_turn, 1));
+  if (s.clusters_lower_bound > 0)
+    text += fmt::format("; at least {} acyclic buffers", s.clusters_lower_bound);
+  return text + "\n";
 }
 
 }  // namespace
@@ -205,6 +223,7 @@ std::string to_text(const OrderReport& report) {
   for (const PrimitiveOrderReport& primitive : report.primitives) {
     const std::string problems = problems_of(primitive.check);
     if (!problems.empty()) text += fmt::format("{}: left out triangles: {}\n", primitive.name, problems);
+    text += bounds_of(primitive);
     if (primitive.error) {
       text +=
           fmt::format("{}: {} held-out viewpoints at {}x{}: wrong pixels mean {}, worst {}; PSNR {} dB\n",

@@ -89,6 +89,12 @@ void expect_sound(const Mesh& mesh, const OrderResult& result, const OrderOption
   EXPECT_EQ(result.statistics.triangles, triangles);
   EXPECT_GE(result.statistics.violated_weight, 0.0);
   EXPECT_LE(result.statistics.violated_weight, 1.0);
+  EXPECT_GE(result.statistics.violated_floor, 0.0);
+  EXPECT_LE(result.statistics.violated_floor, result.statistics.violated_bound);
+  EXPECT_LE(result.statistics.violated_bound, result.statistics.violated_weight + 1e-6);
+  EXPECT_GE(result.statistics.regions, set.orders.size());
+  EXPECT_EQ(result.statistics.switches_per_turn > 0, set.orders.size() > 1);
+  EXPECT_LE(result.statistics.clusters_lower_bound, set.orders.size());
   expect_nothing_is_missing(mesh, set);
 }
 

@@ -46,6 +46,8 @@ TEST(JsonContract, Order) {
              "memory_bytes", "disk_bytes", "dropped_edges", "cyclic_cells", "seconds", "peak_rss_bytes"});
   expect_keys(json["buffers"][0], {"triangles", "acmr", "acmr_drawn", "misses"});
   expect_keys(json["dropped_edges"], {"count", "weight"});
+  expect_keys(json["primitives"][0], {"violated_weight", "violated_floor", "violated_bound", "regions",
+                                      "switches_per_turn", "clusters_lower_bound"});
   expect_keys(json["seconds"], {"total", "read", "graph", "cluster", "sequence", "write"});
   EXPECT_EQ(json["schema"], 1);
   EXPECT_EQ(json["triangles"], 300);

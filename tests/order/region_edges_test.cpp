@@ -233,6 +233,31 @@ TEST(RegionEdges, PerspectiveReachesFurtherFromNearby) {
   }
 }
 
+TEST(RegionEdges, NearerThanTheLeastDistanceDoesNotCount) {
+  // A tiny face hides another along a line that leaves the cell through the middle of a side, at a distance
+  // of 1.65 / cos 20.9 degrees: nearer than 2, though beyond the plane through the corners at 2.
+  const ViewPartition partition = triangles_of_level(0);
+  const std::array<Vec3d, 3>& corners = partition.corners[0];
+  const Vec3d axis = normalized(corners[0] + corners[1] + corners[2]);
+  const Vec3d side = corners[0] + corners[1];
+  const Vec3d outward = normalized(side - axis * dot(side, axis));
+  const Vec3d along = cross(outward, axis);
+  std::vector<Vec3d> positions;
+  for (const double behind : {0.0, 0.3}) {
+    const Vec3d middle = axis * 1.65 - outward * behind;
+    for (const auto& [x, y] : {std::pair{-0.005, -0.005}, {0.005, -0.005}, {0.0, 0.005}}) {
+      positions.push_back(middle - along * x + axis * y);
+    }
+  }
+  const Mesh mesh{{}, {}, {{0, 1, 2}, {3, 4, 5}}};
+  const auto found = [&](double from) {
+    return testing::map_of(region_of(mesh, positions, partition, 0, {from, kInfiniteDistance}))
+        .contains({node_of(0, false), node_of(1, false)});
+  };
+  EXPECT_TRUE(found(1.7));
+  EXPECT_FALSE(found(2));
+}
+
 TEST(RegionEdges, AFaceHidesWhatLiesBehindItAndNothingElse) {
   // From above: 0 over 1. Both look up. The flipped ones are seen from below, the other way round.
   const Mesh mesh{{{-1, -1, 0.5F}, {1, -1, 0.5F}, {0, 1, 0.5F}, {-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},

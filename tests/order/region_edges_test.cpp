@@ -307,8 +307,10 @@ TEST(RegionEdges, OnePlaneHidesNothing) {
     const Vec3d y = normalized(cross(x, random.direction()));
     Mesh mesh;
     for (std::uint32_t i = 0; i < 36; ++i) {
-      mesh.positions.push_back(to_float(x * (i % 6 * 0.2 - 0.5) + y * (i / 6 * 0.2 - 0.5)));
-      if (i % 6 == 5 || i / 6 == 5) continue;
+      const std::uint32_t column = i % 6;
+      const std::uint32_t row = i / 6;
+      mesh.positions.push_back(to_float(x * (column * 0.2 - 0.5) + y * (row * 0.2 - 0.5)));
+      if (column == 5 || row == 5) continue;
       mesh.triangles.push_back({i, i + 1, i + 7});
       mesh.triangles.push_back({i, i + 7, i + 6});
     }

@@ -374,7 +374,7 @@ void add_order_options(CLI::App& command, OrderCommandOptions& o) {
              {{"budget", OrderMethod::budget}, {"acyclic", OrderMethod::acyclic}},
              "budget: fewest buffers within --max-error (default); acyclic: the paper's")
       ->group("Method");
-  command.add_option("--views", o.views, "View cells: S2,2 or P3, ...")
+  command.add_option("--views", o.views, "View cells: S2,2 or P3, T2, R2, ...")
       ->type_name("SPEC")
       ->capture_default_str()
       ->group("Method");

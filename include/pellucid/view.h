@@ -7,8 +7,10 @@
 //   S[n,m]  sampled view triangles: the 20*4^n triangles of level n; samples are the vertices of m further
 //           subdivisions, those on a border belong to every neighbour. S[2,2]: 320 cells, 15 samples each,
 //           2562 distinct directions.
-// T[n] and view regions need a different producer of occlusion edges, not a different partition of
-// directions: they will share the cells of S[n,0].
+//   T[n]    view triangles: the same cells, but ALL viewpoints of a cell count, at all distances between the
+//           least and the greatest that are sampled.
+//   R[n]    view regions: all viewpoints of a cell from the least valid distance to infinity.
+// T and R are sampled as S[n,2]: the samples give the weights of their edges.
 //
 // The numbering of base faces and children is that of pellucid/runtime/select.h, and part of the file
 // format (docs/file-format.md).
@@ -24,15 +26,25 @@
 
 namespace pellucid {
 
-enum class PartitionKind { viewpoints, sampled_triangles };
+enum class PartitionKind { viewpoints, sampled_triangles, view_triangles, view_regions };
+constexpr std::uint32_t kSolidSampleLevel = 2;  // m of T[n] and R[n]
 
 struct PartitionSpec {
   PartitionKind kind = PartitionKind::sampled_triangles;
   std::uint32_t level = 2;         // n, 0..5
-  std::uint32_t sample_level = 2;  // m, 0..4; unused by viewpoints
+  std::uint32_t sample_level = 2;  // m, 0..4; unused by viewpoints, kSolidSampleLevel for T and R
   bool operator==(const PartitionSpec&) const = default;
 };
-// "S2,2", "P4" (also "S[2,2]", "P[4]", lower case). Throws Error{bad_argument} saying what is allowed.
+// Are the cells triangles of the icosphere (S, T, R), or its vertices (P)?
+constexpr bool has_triangle_cells(const PartitionSpec& spec) {
+  return spec.kind != PartitionKind::viewpoints;
+}
+// Does every viewpoint of a cell count (T, R), or only its samples?
+constexpr bool is_continuous(const PartitionSpec& spec) {
+  return spec.kind == PartitionKind::view_triangles || spec.kind == PartitionKind::view_regions;
+}
+// "S2,2", "P4", "T3", "R2" (also "S[2,2]", "T[3]", lower case). Throws Error{bad_argument} saying what is
+// allowed.
 PartitionSpec parse_partition(const std::string& text);
 std::string to_string(const PartitionSpec& spec);  // "S2,2"
 
@@ -56,16 +68,17 @@ struct ViewPartition {
   std::vector<std::uint32_t> cell_offsets;
   std::vector<std::uint32_t> cell_samples;
 
-  // Cells that share an edge of the icosphere (S) or are joined by one (P): CSR like the samples, sorted.
+  // Cells that share an edge of the icosphere (S, T, R) or are joined by one (P): CSR like the samples,
+  // sorted.
   std::vector<std::uint32_t> neighbor_offsets;
   std::vector<std::uint32_t> neighbors;
 
-  // Corners of S cells: three unit directions per cell. Empty for P.
+  // Corners of triangular cells: three unit directions per cell. Empty for P.
   std::vector<std::array<Vec3d, 3>> corners;
-  // P cells: cosine of an angle about the cell's direction that contains its whole region. Empty for S.
+  // P cells: cosine of an angle about the cell's direction that contains its whole region. Else empty.
   std::vector<double> cap_cosines;
   // P cells: the cell of every corner of the icosphere's triangles, index 3 * triangle + corner: what
-  // pellucid_find_corner of select.h answers. Empty for S, where it answers cells directly.
+  // pellucid_find_corner of select.h answers. Else empty: it answers triangular cells directly.
   std::vector<std::uint32_t> corner_cells;
 
   [[nodiscard]] std::uint32_t cell_count() const {
@@ -78,7 +91,7 @@ struct ViewPartition {
     return {neighbors.data() + neighbor_offsets[cell], neighbor_offsets[cell + 1] - neighbor_offsets[cell]};
   }
 };
-// Cells are numbered as in select.h (triangle ids for S, vertex ids of make_icosphere(level) for P).
+// Cells are numbered as in select.h (vertex ids of make_icosphere(level) for P, else triangle ids).
 ViewPartition make_partition(const PartitionSpec& spec);
 
 // Direction at the middle of a cell (unit).

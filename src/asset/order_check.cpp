@@ -38,7 +38,7 @@ class OrderCheck {
 
   void check_cells() const {
     const std::uint64_t quads = std::uint64_t{1} << (2 * set_.partition.level);  // 4^level
-    const bool triangles = set_.partition.kind == PartitionKind::sampled_triangles;
+    const bool triangles = has_triangle_cells(set_.partition);
     const std::uint64_t expected = triangles ? 20 * quads : 10 * quads + 2;
     if (set_.cell_orders.size() != expected) {
       fail("there are " + std::to_string(set_.cell_orders.size()) + " cells, the partition has " +

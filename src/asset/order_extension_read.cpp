@@ -54,6 +54,14 @@ class OrderExtensionReader {
     return value == yes;
   }
 
+  // Informative: what is not known counts as samples.
+  static PartitionKind coverage_of(const Fields& partition) {
+    const std::string coverage = partition.text_or("coverage", "samples");
+    if (coverage == "triangle") return PartitionKind::view_triangles;
+    if (coverage == "region") return PartitionKind::view_regions;
+    return PartitionKind::sampled_triangles;
+  }
+
   void read_partition(OrderSet& set) const {
     const Fields partition = extension_.object("partition");
     if (const std::string type = partition.text("type"); type != "icosphere") {
@@ -65,8 +73,9 @@ class OrderExtensionReader {
     if (level > kMaxLevel) partition.fail("level " + std::to_string(level) + " is above 5");
     if (sample_level > kMaxSampleLevel)
       partition.fail("sampleLevel " + std::to_string(sample_level) + " is above 4");
-    set.partition = {triangles ? PartitionKind::sampled_triangles : PartitionKind::viewpoints,
+    set.partition = {triangles ? coverage_of(partition) : PartitionKind::viewpoints,
                      static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(sample_level)};
+    if (is_continuous(set.partition)) set.partition.sample_level = kSolidSampleLevel;
 
     const std::vector<double> center = partition.numbers("center", 3);
     if (center.empty()) partition.fail("center is missing");
@@ -173,7 +182,7 @@ class OrderExtensionReader {
 
   void read_cell_orders(OrderSet& set) {
     const std::uint64_t accessor = extension_.index("cellOrders");
-    const bool per_corner = set.partition.kind == PartitionKind::viewpoints;
+    const bool per_corner = !has_triangle_cells(set.partition);
     const std::uint64_t expected = triangle_count(set.partition.level) * (per_corner ? 3 : 1);
     if (accessors_.count(accessor) != expected) {
       extension_.fail("cellOrders has " + std::to_string(accessors_.count(accessor)) +

@@ -12,12 +12,14 @@ Json finite_or_null(double value) {
 }
 
 Json partition_json(const OrderSet& set) {
-  const bool triangles = set.partition.kind == PartitionKind::sampled_triangles;
+  const bool triangles = has_triangle_cells(set.partition);
   Json partition;
   partition["type"] = "icosphere";
   partition["level"] = set.partition.level;
   partition["cells"] = triangles ? "triangles" : "vertices";
   if (triangles) partition["sampleLevel"] = set.partition.sample_level;
+  if (set.partition.kind == PartitionKind::view_triangles) partition["coverage"] = "triangle";
+  if (set.partition.kind == PartitionKind::view_regions) partition["coverage"] = "region";
   partition["center"] = {set.sphere.center.x, set.sphere.center.y, set.sphere.center.z};
   partition["radius"] = set.sphere.radius;
   partition["minDistance"] = set.valid_from;
@@ -66,7 +68,7 @@ Json order_extension_json(const OrderSet& set, const std::optional<OrderErrorRec
 }
 
 std::vector<std::uint32_t> stored_cell_orders(const OrderSet& set) {
-  if (set.partition.kind == PartitionKind::sampled_triangles) return set.cell_orders;
+  if (has_triangle_cells(set.partition)) return set.cell_orders;
   const Icosphere sphere = make_icosphere(set.partition.level);
   std::vector<std::uint32_t> corners;
   corners.reserve(3 * sphere.triangles.size());

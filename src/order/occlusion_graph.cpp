@@ -10,7 +10,9 @@
 #include <bit>
 #include <mutex>
 #include <numeric>
+#include <optional>
 
+#include "region_edges.h"
 #include "viewpoint_edges.h"
 
 namespace pellucid {
@@ -20,6 +22,8 @@ namespace {
 // follows the subdivision); a sample's edges are found when the first cell needs them and freed after the
 // last.
 constexpr std::uint32_t kCellsPerBatch = 16;
+// Finding what no sample of a cell shows takes about as long as so many viewpoints.
+constexpr std::uint32_t kViewsPerRegion = 10;
 
 class GraphBuilder {
  public:
@@ -41,6 +45,10 @@ class GraphBuilder {
         accumulators_(
             [n = mesh.triangles.size()] { return RowAccumulator(static_cast<std::uint32_t>(2 * n)); }) {
     for (const std::uint32_t sample : partition.cell_samples) ++uses_left_[sample];
+    if (is_continuous(partition.spec)) {
+      region_.emplace(mesh.triangles, scene_.positions, partition, options.front_only, options.tolerance,
+                      options.solid_from, options.solid_to);
+    }
   }
 
   OcclusionGraph build() {
@@ -48,7 +56,8 @@ class GraphBuilder {
     graph.node_count = static_cast<std::uint32_t>(2 * scene_.mesh.triangles.size());
     graph.cells.resize(partition_.cell_count());
     graph.viewpoint_count = views_.size();
-    begin_stage(options_.progress, "occlusion graph", views_.size());
+    begin_stage(options_.progress, "occlusion graph",
+                views_.size() + (region_ ? kViewsPerRegion * partition_.cell_count() : 0));
     std::vector<double> weights(partition_.cell_count());
     std::vector<double> pruned(partition_.cell_count());
     for (std::uint32_t begin = 0; begin < partition_.cell_count(); begin += kCellsPerBatch) {
@@ -125,8 +134,13 @@ class GraphBuilder {
           const std::uint32_t count = view->offsets[t + 1] - first;
           accumulator.add({view->backs.data() + first, count}, {view->areas.data() + first, count}, scale);
         }
-        pruned += accumulator.flush(rows, options_.least_weight);
+        pruned += accumulator.flush(rows, region_ ? 0.0F : options_.least_weight);
       }
+    }
+    if (region_) {
+      stop_if_requested(options_.progress);
+      rows = region_->complete(cell, rows);
+      advance_stage(options_.progress, kViewsPerRegion);
     }
     compact = CompactRows(rows);
     weight = pruned + std::accumulate(rows.weights.begin(), rows.weights.end(), 0.0);
@@ -153,6 +167,7 @@ class GraphBuilder {
   OcclusionScene scene_;
   const ViewPartition& partition_;
   const GraphOptions& options_;
+  std::optional<RegionEdges> region_;  // T[n], R[n]
   std::size_t views_per_sample_;
   std::vector<ViewpointEdges>
       views_;  // by sample and distance; empty before its first use and after its last

@@ -35,8 +35,13 @@ struct GraphOptions {
   bool front_only = false;
   // Cells beyond so many bytes go to a temporary file. 0: all stay in memory.
   std::uint64_t memory = 0;
+  // T[n], R[n]: the distances between which all viewpoints of a cell count, bounding radii. Their edges have
+  // the weights that the samples show, but at least kUnseenWeight: none is left out for being light.
+  double solid_from = 0, solid_to = 0;
   Progress* progress = nullptr;
 };
+// Square radii, mean over a cell: as light as the lightest edges that are kept of S[n,m].
+constexpr float kUnseenWeight = 3e-7F;
 
 // O(viewpoints * (triangles + pairs)); memory: the cells' edges (4 bytes each) and the edges of the
 // viewpoints of a few cells at a time.

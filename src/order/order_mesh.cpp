@@ -109,8 +109,9 @@ bool has_simpler(const Mesh& mesh) {
 
 // Fewer cells of the same sampling density, for the search.
 PartitionSpec coarse_partition(const PartitionSpec& spec) {
-  if (spec.kind == PartitionKind::viewpoints) return spec;
+  if (!has_triangle_cells(spec)) return spec;
   PartitionSpec coarse = spec;
+  coarse.kind = PartitionKind::sampled_triangles;  // the search goes by weights, which samples give
   if (coarse.level > 1) {
     --coarse.level;
     ++coarse.sample_level;
@@ -124,7 +125,7 @@ class Orderer {
   Orderer(const Mesh& mesh, const OrderOptions& options) : mesh_(mesh), options_(options) {
     check_options(mesh, options);
     if (options_.distances.empty()) options_.distances = default_distances();
-    range_ = valid_range(options_.distances);
+    range_ = valid_range(options_.partition.kind, options_.distances);
   }
 
   OrderResult run() {
@@ -440,13 +441,23 @@ double picture_alpha(const OrderOptions& options) {
   return options.alpha > 0 ? options.alpha : ShadingOptions{}.alpha;
 }
 
-ValidRange valid_range(const std::vector<double>& distances) {
+ValidRange valid_range(PartitionKind kind, const std::vector<double>& distances) {
   const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
+  // All distances in between are known. A single one says as much as it does of samples.
+  if (kind == PartitionKind::view_triangles && *least < *most) return {*least, *most};
   // From infinity the view of a finite camera differs by its perspective, 1 / distance.
   constexpr double kFarEnough = 8;
   if (std::isinf(*least)) return {kFarEnough, kInfiniteDistance};
+  const double from = std::max(1.0, 2.0 / 3.0 * *least);
+  if (kind == PartitionKind::view_regions) return {from, kInfiniteDistance};
   // Errors grow slowly with distance: 3 radii stand for the paper's 2 to 5.
-  return {std::max(1.0, 2.0 / 3.0 * *least), 5.0 / 3.0 * *most};
+  return {from, 5.0 / 3.0 * *most};
+}
+
+ValidRange solid_range(PartitionKind kind, const std::vector<double>& distances) {
+  if (kind == PartitionKind::view_regions) return valid_range(kind, distances);
+  const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
+  return {*least, *most};
 }
 
 OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,
@@ -466,6 +477,9 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
   graph.front_only = options.facing == Facing::single;
   graph.memory = options.memory / 2;
   graph.progress = options.progress;
+  const ValidRange solid = solid_range(partition.kind, options.distances);
+  graph.solid_from = solid.from;
+  graph.solid_to = solid.to;
   problem.graph = build_occlusion_graph(mesh, problem.sphere, problem.partition, graph);
   return problem;
 }

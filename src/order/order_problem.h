@@ -25,6 +25,8 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
 struct ValidRange {
   double from, to;
 };
-ValidRange valid_range(const std::vector<double>& distances);
+ValidRange valid_range(PartitionKind kind, const std::vector<double>& distances);
+// The distances of the viewpoints that T[n] and R[n] know all occlusions of.
+ValidRange solid_range(PartitionKind kind, const std::vector<double>& distances);
 
 }  // namespace pellucid

@@ -142,7 +142,7 @@ class ListBuilder {
   }
 
   [[nodiscard]] std::vector<std::uint8_t> visible_nodes(const std::vector<std::uint32_t>& cells) const {
-    const ValidRange range = valid_range(distances_);
+    const ValidRange range = valid_range(options_.partition.kind, distances_);
     std::vector<std::uint8_t> visible(2 * mesh_.triangles.size(), 0);
     tbb::parallel_for(
         std::uint32_t{0}, static_cast<std::uint32_t>(mesh_.triangles.size()), [&](std::uint32_t t) {

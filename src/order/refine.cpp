@@ -269,6 +269,7 @@ std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphe
                                     const RefineOptions& options,
                                     std::vector<std::vector<std::uint32_t>>& ranks) {
   PartitionSpec views = partition;
+  if (is_continuous(views)) views.kind = PartitionKind::sampled_triangles;
   views.sample_level = std::min(views.sample_level, 1U);
   const ViewPartition cells = make_partition(views);
   return Refiner(mesh, sphere, cells, cluster_of, options, ranks).run();

@@ -7,7 +7,7 @@
 namespace pellucid {
 
 std::uint32_t select_order(const OrderSet& set, const Vec3d& direction) {
-  if (set.partition.kind == PartitionKind::sampled_triangles) {
+  if (has_triangle_cells(set.partition)) {
     const double d[3] = {direction.x, direction.y, direction.z};
     return set.cell_orders[pellucid_find_triangle(set.partition.level, d)];
   }

@@ -99,7 +99,10 @@ PresortedOptions presorted_options(const OrderSet* orders, std::uint32_t cache_s
   PresortedOptions options;
   if (orders != nullptr) {
     options.facing = orders->facing;
-    if (orders->partition.kind == PartitionKind::sampled_triangles) options.partition = orders->partition;
+    if (has_triangle_cells(orders->partition)) {
+      options.partition = orders->partition;
+      options.partition.kind = PartitionKind::sampled_triangles;
+    }
   }
   options.cache_size = cache_size;
   options.progress = progress;

@@ -129,8 +129,7 @@ std::vector<CellPiece> vertex_cells(std::uint32_t level) {
 }
 
 std::vector<CellPiece> cell_pieces(const PartitionSpec& spec) {
-  return spec.kind == PartitionKind::sampled_triangles ? triangle_cells(spec.level)
-                                                       : vertex_cells(spec.level);
+  return has_triangle_cells(spec) ? triangle_cells(spec.level) : vertex_cells(spec.level);
 }
 
 // Pale to dark red through amber; `share` in 0..1.

@@ -28,14 +28,13 @@ struct SelectionTable {
 std::shared_ptr<const SelectionTable> selection_table(const OrderSet& set) {
   auto table = std::make_shared<SelectionTable>();
   const ViewPartition partition = make_partition(set.partition);
-  if (set.partition.kind == PartitionKind::sampled_triangles) {
+  if (has_triangle_cells(set.partition)) {
     table->entries = set.cell_orders;
   } else {
     for (const std::uint32_t cell : partition.corner_cells) table->entries.push_back(set.cell_orders[cell]);
   }
   PellucidOrders& orders = table->orders;
-  orders.cells = set.partition.kind == PartitionKind::sampled_triangles ? pellucid_cells_triangles
-                                                                        : pellucid_cells_corners;
+  orders.cells = has_triangle_cells(set.partition) ? pellucid_cells_triangles : pellucid_cells_corners;
   orders.level = set.partition.level;
   orders.center[0] = set.sphere.center.x;
   orders.center[1] = set.sphere.center.y;
@@ -53,8 +52,7 @@ std::shared_ptr<const SelectionTable> selection_table(const OrderSet& set) {
 
 std::uint64_t cell_table_bytes(const PartitionSpec& partition, std::size_t orders) {
   const std::uint64_t triangles = pellucid_triangle_count(partition.level);
-  const std::uint64_t entries =
-      partition.kind == PartitionKind::sampled_triangles ? triangles : 3 * triangles;
+  const std::uint64_t entries = has_triangle_cells(partition) ? triangles : 3 * triangles;
   return entries * (orders <= 255 ? 1 : orders <= 65535 ? 2 : 4);
 }
 

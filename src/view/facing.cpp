@@ -41,9 +41,10 @@ double max_cosine_on_cap(const Vec3d& direction, double cap_cosine, const Vec3d&
 }  // namespace
 
 double max_cosine(const ViewPartition& partition, std::uint32_t cell, const Vec3d& normal) {
-  const double largest = partition.spec.kind == PartitionKind::viewpoints
-                             ? max_cosine_on_cap(partition.samples[cell], partition.cap_cosines[cell], normal)
-                             : max_cosine_on_triangle(partition.corners[cell], normal);
+  const double largest =
+      has_triangle_cells(partition.spec)
+          ? max_cosine_on_triangle(partition.corners[cell], normal)
+          : max_cosine_on_cap(partition.samples[cell], partition.cap_cosines[cell], normal);
   return std::min(1.0, largest + kCosineSlack);
 }
 

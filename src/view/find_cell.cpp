@@ -27,7 +27,7 @@ std::uint32_t nearest_sample(const ViewPartition& partition, const Vec3d& direct
 
 std::uint32_t find_cell(const ViewPartition& partition, const Vec3d& direction) {
   const std::array<double, 3> d{direction.x, direction.y, direction.z};
-  if (partition.spec.kind == PartitionKind::sampled_triangles) {
+  if (has_triangle_cells(partition.spec)) {
     return pellucid_find_triangle(partition.spec.level, d.data());
   }
   return partition.corner_cells[pellucid_find_corner(partition.spec.level, d.data())];
@@ -35,7 +35,7 @@ std::uint32_t find_cell(const ViewPartition& partition, const Vec3d& direction) 
 
 std::uint32_t find_cell_brute_force(const ViewPartition& partition, const Vec3d& direction) {
   const Vec3d unit = normalized(direction);
-  if (partition.spec.kind == PartitionKind::viewpoints) return nearest_sample(partition, unit);
+  if (!has_triangle_cells(partition.spec)) return nearest_sample(partition, unit);
   for (std::uint32_t c = 0; c < partition.corners.size(); ++c) {
     if (triangle_contains(partition.corners[c], unit)) return c;
   }

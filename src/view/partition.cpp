@@ -1,6 +1,7 @@
-// View partitions P[n] and S[n,m]: their names, cells, samples and neighbours.
+// View partitions P[n], S[n,m], T[n] and R[n]: their names, cells, samples and neighbours.
 // Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 2.1.
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -14,16 +15,18 @@ constexpr std::uint32_t kMaxLevel = 5;
 constexpr std::uint32_t kMaxSampleLevel = 4;
 
 [[noreturn]] void refuse(const std::string& text) {
-  throw Error(ErrorKind::bad_argument, "'" + text + "' is not a view partition: use S<n>,<m> with n in 0.." +
-                                           std::to_string(kMaxLevel) + " and m in 0.." +
-                                           std::to_string(kMaxSampleLevel) +
-                                           " (sampled view triangles), or P<n> with n in 0.." +
-                                           std::to_string(kMaxLevel) + " (discrete viewpoints)");
+  throw Error(ErrorKind::bad_argument,
+              "'" + text + "' is not a view partition: use S<n>,<m> with n in 0.." +
+                  std::to_string(kMaxLevel) + " and m in 0.." + std::to_string(kMaxSampleLevel) +
+                  " (sampled view triangles), or with n in 0.." + std::to_string(kMaxLevel) +
+                  " P<n> (discrete viewpoints), T<n> (all viewpoints of view "
+                  "triangles) or R<n> (of view regions)");
 }
 
 void check_spec(const PartitionSpec& spec) {
-  const bool sampled = spec.kind == PartitionKind::sampled_triangles;
+  const bool sampled = has_triangle_cells(spec);
   if (spec.level > kMaxLevel || (sampled && spec.sample_level > kMaxSampleLevel)) refuse(to_string(spec));
+  if (is_continuous(spec) && spec.sample_level != kSolidSampleLevel) refuse(to_string(spec));
 }
 
 // Compressed rows from (row, value) pairs: each row sorted, without repetitions.
@@ -149,6 +152,10 @@ PartitionSpec parse_partition(const std::string& text) {
     spec = {PartitionKind::sampled_triangles, digit(1), digit(3)};
   } else if (bare.size() == 2 && (bare[0] == 'P' || bare[0] == 'p')) {
     spec = {PartitionKind::viewpoints, digit(1), 0};
+  } else if (bare.size() == 2 && (bare[0] == 'T' || bare[0] == 't')) {
+    spec = {PartitionKind::view_triangles, digit(1), kSolidSampleLevel};
+  } else if (bare.size() == 2 && (bare[0] == 'R' || bare[0] == 'r')) {
+    spec = {PartitionKind::view_regions, digit(1), kSolidSampleLevel};
   } else {
     refuse(text);
   }
@@ -157,7 +164,8 @@ PartitionSpec parse_partition(const std::string& text) {
 }
 
 std::string to_string(const PartitionSpec& spec) {
-  std::string name(1, spec.kind == PartitionKind::viewpoints ? 'P' : 'S');
+  constexpr std::array kLetters{'P', 'S', 'T', 'R'};  // by PartitionKind
+  std::string name(1, kLetters[static_cast<std::size_t>(spec.kind)]);
   name += std::to_string(spec.level);
   if (spec.kind == PartitionKind::sampled_triangles) name += ',' + std::to_string(spec.sample_level);
   return name;

@@ -194,7 +194,7 @@ inline OrderSet random_orders(Random& random, const Mesh& mesh, const PartitionS
     set.orders.push_back(order);
   }
   const std::uint32_t quads = 1U << (2 * partition.level);
-  const bool cells_are_triangles = partition.kind == PartitionKind::sampled_triangles;
+  const bool cells_are_triangles = has_triangle_cells(partition);
   set.cell_orders.resize(cells_are_triangles ? 20 * quads : 10 * quads + 2);
   for (std::uint32_t& order : set.cell_orders) order = static_cast<std::uint32_t>(random.below(count));
   set.base_sequence.resize(triangles);

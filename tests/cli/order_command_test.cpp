@@ -32,6 +32,25 @@ TEST(OrderCommand, WritesAFileThatHoldsTheOrdersAskedFor) {
   EXPECT_EQ(found["primitives"][0]["orders"]["partition"], "S0,1");
 }
 
+TEST(OrderCommand, ViewTrianglesAndRegionsAreOrderedWrittenAndMeasured) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out.glb");
+  for (const char* views : {"T0", "R0"}) {
+    for (const char* method : {"budget", "acyclic"}) {
+      std::vector<std::string> arguments{
+          "order",    samples().plain, "-o",         out, "--views",     views,
+          "--method", method,          "--validate", "0", "--distances", "2,5"};
+      const Finished done = run_pellucid(arguments);
+      ASSERT_EQ(done.code, 0) << done.err;
+      const Finished inspect = run_pellucid({"inspect", out, "--json", "-"});
+      EXPECT_EQ(nlohmann::json::parse(inspect.out)["primitives"][0]["orders"]["partition"], views);
+      const Finished measure = run_pellucid({"measure", out, "--views", "4", "--size", "64", "--json", "-"});
+      ASSERT_EQ(measure.code, 0) << measure.err;
+      EXPECT_TRUE(nlohmann::json::parse(measure.out).contains("ipr"));
+    }
+  }
+}
+
 TEST(OrderCommand, TheCacheMethodIsKnownAndMatters) {
   const TemporaryFolder folder;
   const auto misses = [&](const std::vector<std::string>& options) {

@@ -149,7 +149,7 @@ TEST(OrderMesh, MeshesOfAllKindsWithEitherMethod) {
 
 TEST(OrderMesh, EveryPartition) {
   const Mesh mesh = testing::sample_mesh("nested-shells", 0.05, 100);
-  for (const char* partition : {"P0", "P1", "S0,2", "S2,0"}) {
+  for (const char* partition : {"P0", "P1", "S0,2", "S2,0", "T0", "R0"}) {
     for (const OrderMethod method : {OrderMethod::budget, OrderMethod::acyclic}) {
       SCOPED_TRACE(partition);
       OrderOptions options = quick(partition);
@@ -180,6 +180,49 @@ TEST(OrderMesh, DistancesSayWhereOrdersHold) {
   EXPECT_EQ(orthographic.valid_to, kInfiniteDistance);
   options.distances = {1.2};
   order_soundly(mesh, options);
+}
+
+TEST(OrderMesh, TrianglesHoldBetweenTheirDistancesAndRegionsToInfinity) {
+  const Mesh mesh = testing::sample_mesh("goblet", 0.1, 100);
+  const auto range = [&](const char* partition, const std::vector<double>& distances) {
+    OrderOptions options = quick(partition);
+    options.distances = distances;
+    const OrderSet set = order_soundly(mesh, options).orders;
+    return std::pair(set.valid_from, set.valid_to);
+  };
+  EXPECT_EQ(range("T0", {5, 2}), std::pair(2.0, 5.0));
+  EXPECT_EQ(range("T0", {1.5, kInfiniteDistance}), std::pair(1.5, kInfiniteDistance));
+  EXPECT_EQ(range("T0", {3}), range("S0,2", {3}));
+  EXPECT_EQ(range("R0", {3}), std::pair(2.0, kInfiniteDistance));
+  EXPECT_EQ(range("R0", {}), std::pair(1.0, kInfiniteDistance));
+}
+
+// Pixels in a wrong order over viewpoints of the whole valid range, with the acyclic method and no tolerance.
+std::uint64_t wrong_pixels(const Mesh& mesh, const char* partition) {
+  OrderOptions options = quick(partition);
+  options.method = OrderMethod::acyclic;
+  options.tolerance = 0;
+  options.distances = {1.5, 4};
+  const OrderResult result = order_mesh(mesh, options);
+  EXPECT_EQ(result.statistics.dropped_edges, 0U) << "a cell has a cycle: choose another mesh";
+  EXPECT_GT(result.orders.orders.size(), 1U);
+  FragmentBuffer fragments;
+  Random random(7);
+  std::uint64_t wrong = 0;
+  for (int i = 0; i < 150; ++i) {
+    const Viewpoint viewpoint{random.direction(), random.uniform(1.5, 4)};
+    rasterize(mesh, look_at_sphere(result.orders.sphere, viewpoint, 128, 128), {}, fragments);
+    const NodeSequence& order = result.orders.orders[select_order(result.orders, viewpoint.direction)];
+    wrong += count_incorrect_pixels(fragments, ranks_of(order, mesh.triangles.size())).incorrect;
+  }
+  return wrong;
+}
+
+TEST(OrderMesh, NoViewpointOfTrianglesAndRegionsSeesAWrongOrder) {
+  const Mesh mesh = testing::random_soup(30, 0.15, 4);  // nothing intersects, no cell has a cycle
+  EXPECT_GT(wrong_pixels(mesh, "S1,0"), 0U);
+  EXPECT_EQ(wrong_pixels(mesh, "T1"), 0U);
+  EXPECT_EQ(wrong_pixels(mesh, "R1"), 0U);
 }
 
 TEST(OrderMesh, SingleFacingHoldsNoTwin) {

@@ -213,21 +213,46 @@ TEST(PartitionName, IsReadInAllItsSpellings) {
   EXPECT_EQ(parse_partition("s0,4"), sampled(0, 4));
   EXPECT_EQ(parse_partition("P4"), viewpoints(4));
   EXPECT_EQ(parse_partition("p[0]"), viewpoints(0));
+  EXPECT_EQ(parse_partition("T3"), (PartitionSpec{PartitionKind::view_triangles, 3, kSolidSampleLevel}));
+  EXPECT_EQ(parse_partition("t[2]"), (PartitionSpec{PartitionKind::view_triangles, 2, kSolidSampleLevel}));
+  EXPECT_EQ(parse_partition("R2"), (PartitionSpec{PartitionKind::view_regions, 2, kSolidSampleLevel}));
+  EXPECT_EQ(parse_partition("r[0]"), (PartitionSpec{PartitionKind::view_regions, 0, kSolidSampleLevel}));
 }
 
 TEST(PartitionName, SurvivesARoundTrip) {
-  for (const char* text : {"S0,0", "S2,2", "S5,4", "P0", "P5"}) {
+  for (const char* text : {"S0,0", "S2,2", "S5,4", "P0", "P5", "T0", "T3", "R2", "R5"}) {
     EXPECT_EQ(to_string(parse_partition(text)), text);
   }
 }
 
 TEST(PartitionName, IsRefusedWithWhatIsAllowed) {
-  for (const char* text :
-       {"",   "S",   "S2",  "S2,",   "S2,5", "S6,0", "S2;2",  "S[2,2", "[S2,2]", "S2,2]",      "P",
-        "P6", "P-1", "P10", "P[2]]", "T3",   "R2",   "S2,2 ", "[",     "P[",     "S\xc3\xa9,1"}) {
+  for (const char* text : {"",       "S",     "S2",  "S2,", "S2,5",  "S6,0", "S2;2",  "S[2,2",
+                           "[S2,2]", "S2,2]", "P",   "P6",  "P-1",   "P10",  "P[2]]", "T6",
+                           "R",      "T2,2",  "R[2", "Q2",  "S2,2 ", "[",    "P[",    "S\xc3\xa9,1"}) {
     const std::string message = message_of(text);
     EXPECT_NE(message.find(std::string("'") + text + "'"), std::string::npos) << message;
     EXPECT_NE(message.find("S<n>,<m>"), std::string::npos) << message;
+  }
+}
+
+TEST(Partition, TrianglesAndRegionsHaveTheCellsAndSamplesOfS) {
+  const ViewPartition sampled_cells = make_partition(sampled(2, 2));
+  for (const PartitionKind kind : {PartitionKind::view_triangles, PartitionKind::view_regions}) {
+    const ViewPartition partition = make_partition({kind, 2, kSolidSampleLevel});
+    EXPECT_TRUE(is_continuous(partition.spec));
+    EXPECT_TRUE(has_triangle_cells(partition.spec));
+    EXPECT_EQ(partition.corners, sampled_cells.corners);
+    EXPECT_EQ(partition.samples, sampled_cells.samples);
+    EXPECT_EQ(partition.cell_samples, sampled_cells.cell_samples);
+    EXPECT_EQ(partition.neighbors, sampled_cells.neighbors);
+    Random random(3);
+    for (int i = 0; i < 500; ++i) {
+      const Vec3d d = random.direction();
+      EXPECT_EQ(find_cell(partition, d), find_cell(sampled_cells, d));
+      EXPECT_EQ(find_cell_brute_force(partition, d), find_cell(sampled_cells, d));
+      const std::uint32_t cell = find_cell(partition, random.direction());
+      EXPECT_EQ(max_cosine(partition, cell, d), max_cosine(sampled_cells, cell, d));
+    }
   }
 }
 
@@ -235,6 +260,8 @@ TEST(PartitionName, LevelsOutOfRangeAreRefusedWithoutTextToo) {
   EXPECT_THROW(make_partition(sampled(6, 0)), Error);
   EXPECT_THROW(make_partition(sampled(0, 5)), Error);
   EXPECT_THROW(make_partition(viewpoints(6)), Error);
+  EXPECT_THROW(make_partition({PartitionKind::view_triangles, 6, kSolidSampleLevel}), Error);
+  EXPECT_THROW(make_partition({PartitionKind::view_regions, 2, 1}), Error);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 
 #include "choice.h"
@@ -45,16 +44,6 @@ struct OrderCommandOptions {
   bool no_bake_base = false;
   std::uint32_t validate = 60;
   bool dry_run = false;
-};
-
-class Stopwatch {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 // "1.5,3,inf". CLI11's own lists know no infinity.

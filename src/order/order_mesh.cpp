@@ -2,7 +2,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -39,19 +38,6 @@ constexpr float kLeastBindingWeight = 1e-6F;
 constexpr std::size_t kMostShortVertices = 65535;
 // Clusters whose sequences are made at the same time.
 constexpr std::uint32_t kSequencesAtOnce = 4;
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 double tolerance_of(const OrderOptions& options) {
   if (options.tolerance >= 0) return options.tolerance;

@@ -32,7 +32,6 @@ class BudgetSearch {
   BudgetResult run() {
     const std::uint32_t most = std::max(options_.max_buffers, options_.min_buffers);
     // The coarse mesh says where to look; the full mesh decides.
-    begin_stage(options_.progress, "clustering", 0);
     std::uint32_t count = likely_count(options_.min_buffers, most);
 
     BudgetResult best = solve_fine(count);
@@ -57,15 +56,16 @@ class BudgetSearch {
 
   std::vector<BudgetResult> run_all() {
     std::vector<BudgetResult> results;
-    begin_stage(options_.progress, "clustering", options_.max_buffers + 1 - options_.min_buffers);
     for (std::uint32_t count = options_.min_buffers; count <= options_.max_buffers; ++count) {
       results.push_back(solve_fine(count));
-      advance_stage(options_.progress, 1);
     }
     return results;
   }
 
  private:
+  static std::string name_of(std::string step, std::uint32_t count) {
+    return step.append("-").append(std::to_string(count));
+  }
   [[nodiscard]] bool same_problem() const { return &coarse_ == &fine_; }
   [[nodiscard]] bool same_mesh() const { return coarse_.mesh == fine_.mesh; }
 
@@ -98,12 +98,22 @@ class BudgetSearch {
   double coarse_error(std::uint32_t count) {
     const auto known = coarse_errors_.find(count);
     if (known != coarse_errors_.end()) return known->second;
-    return coarse_errors_[count] = options_.target.error_of(measure(coarse_, solve_coarse(count)));
+    return coarse_errors_[count] = checkpointed(options_.records, name_of("coarse-error", count), [&] {
+             return options_.target.error_of(measure(coarse_, solve_coarse(count)));
+           });
   }
 
   const Clustering& solve_coarse(std::uint32_t count) {
     const auto known = coarse_solutions_.find(count);
     if (known != coarse_solutions_.end()) return known->second;
+    return coarse_solutions_
+        .emplace(count,
+                 checkpointed(options_.records, name_of("coarse", count), [&] { return find_coarse(count); }))
+        .first->second;
+  }
+
+  [[nodiscard]] Clustering find_coarse(std::uint32_t count) const {
+    begin_stage(options_.progress, std::string("trying ").append(std::to_string(count)).append(" orders"), 0);
     // A single order has no start to choose.
     std::vector<Clustering> trials(count == 1 ? 1 : kStarts);
     tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(trials.size()), [&](std::uint32_t trial) {
@@ -112,19 +122,32 @@ class BudgetSearch {
                                             count, options_.seed * 1000 + trial);
       KMeansOptions first_rounds;
       first_rounds.rounds = kTrialRounds;
+      first_rounds.progress = options_.progress;
       trials[trial] = improve_clustering(coarse_.graph, start, first_rounds);
     });
     const auto best =
         std::min_element(trials.begin(), trials.end(),
                          [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
-    return coarse_solutions_.emplace(count, improve_clustering(coarse_.graph, std::move(*best), {}))
-        .first->second;
+    KMeansOptions rounds;
+    rounds.progress = options_.progress;
+    return improve_clustering(coarse_.graph, std::move(*best), rounds);
   }
 
   BudgetResult solve_fine(std::uint32_t count) {
     stop_if_requested(options_.progress);
+    BudgetResult result =
+        checkpointed(options_.records, name_of("fine", count), [&] { return find_fine(count); });
+    known_count_ = count;
+    known_error_ = result.error;
+    return result;
+  }
+
+  BudgetResult find_fine(std::uint32_t count) {
     BudgetResult result;
     const Clustering& coarse = solve_coarse(count);
+    // Rounds of sifting every order, then the error.
+    const std::uint64_t steps = same_problem() ? 1 : kFineRounds * count + 1;
+    begin_stage(options_.progress, std::to_string(count).append(" orders"), steps);
     if (same_problem()) {
       result.clustering = coarse;
     } else {
@@ -143,8 +166,7 @@ class BudgetSearch {
     }
     result.measured = measure(fine_, result.clustering);
     result.error = options_.target.error_of(result.measured);
-    known_count_ = count;
-    known_error_ = result.error;
+    advance_stage(options_.progress, 1);
     return result;
   }
 

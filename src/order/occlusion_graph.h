@@ -8,6 +8,7 @@
 #include "edge_rows.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
+#include "run_records.h"
 
 namespace pellucid {
 
@@ -36,6 +37,7 @@ struct GraphOptions {
   // Cells beyond so many bytes go to a temporary file. 0: all stay in memory.
   std::uint64_t memory = 0;
   Progress* progress = nullptr;
+  RunRecords records{};  // of every batch of cells
 };
 
 // O(viewpoints * (triangles + pairs)); memory: the cells' edges (4 bytes each) and the edges of the

@@ -241,6 +241,7 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   options.settings.seed = session.options().seed;
   if (options.no_baselines) options.baselines = "none";
   if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
+  begin_stage(session.progress(), "reading", 0);
   std::vector<Input> inputs = read_inputs(options);
   std::optional<Input> original;
   if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);

@@ -16,32 +16,8 @@ namespace {
 constexpr int kInternal = 1;
 constexpr int kUsage = 2;
 
-int exit_code(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::bad_argument:
-      return kUsage;
-    case ErrorKind::bad_input:
-      return 3;
-    case ErrorKind::nothing_to_do:
-      return 4;
-    case ErrorKind::quality_missed:
-      return 5;
-    case ErrorKind::interrupted:
-      return 130;
-    case ErrorKind::cannot_write:
-    case ErrorKind::internal:
-      break;
-  }
-  return kInternal;
-}
-
 int fail(int code, const std::string& message) {
-  // One line, whatever a file name holds.
-  std::string line = message;
-  for (char& c : line) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  std::fprintf(stderr, "pellucid: %s\n", line.c_str());
+  complain(message);
   return code;
 }
 
@@ -70,9 +46,8 @@ int run_chosen(const Chosen& chosen) {
     chosen.work(session);
     return 0;
   } catch (const Error& error) {
-    session.set_subject("");
-    static_cast<TerminalProgress*>(session.progress())->clear();
-    return fail(exit_code(error.kind()), error.what());
+    session.complain(error.what());
+    return exit_code(error.kind());
   }
 }
 
@@ -108,10 +83,7 @@ int main(int argc, char** argv) {
   try {
     return pellucid::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {
-    return pellucid::cli::fail(
-        pellucid::cli::kInternal,
-        "out of memory: try a smaller mesh (--simplify), fewer view cells (--views S1,2) or a "
-        "smaller picture (--size)");
+    return pellucid::cli::fail(pellucid::cli::kInternal, pellucid::cli::kOutOfMemory);
   } catch (const std::exception& error) {
     return pellucid::cli::fail(pellucid::cli::kInternal, std::string("internal error: ") + error.what());
   }

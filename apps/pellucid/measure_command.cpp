@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -237,11 +236,12 @@ void keep_primitive(Input& input, std::int64_t k) {
 }
 
 void run_measure(MeasureCommandOptions options, Session& session) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   parse_distance_range(options.distances, options.settings);
   options.settings.seed = session.options().seed;
   if (options.no_baselines) options.baselines = "none";
   if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
+  begin_stage(session.progress(), "reading", 0);
   std::vector<Input> inputs = read_inputs(options);
   std::optional<Input> original;
   if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);
@@ -280,7 +280,7 @@ void run_measure(MeasureCommandOptions options, Session& session) {
         measure_subjects(subjects, originals[k], main.names[k], options.settings, session.progress()));
   }
   session.set_subject("");
-  report.seconds_total = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds_total = watch.seconds();
   if (!options.report.empty()) write_report(options, report, main, originals);
   session.print(to_text(report));
   session.write_json(to_json(report));

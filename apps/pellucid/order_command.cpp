@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "choice.h"
 #include "cleaned.h"
+#include "order_batch.h"
 #include "order_outcome.h"
+#include "pellucid/checkpoint.h"
 #include "pellucid/cycles.h"
 #include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
@@ -30,7 +32,9 @@ constexpr double kTypicalTwins = 1.6;
 enum class FacingChoice { automatic, single, duplicated };
 
 struct OrderCommandOptions {
-  std::string input, output;
+  RunOptions run;
+  std::string input, output;  // of the file at hand; at first the output as it was given
+  std::string checkpoint;     // of the file at hand
   OrderOptions order;
   std::string views = "S2,2";
   std::string distances;
@@ -48,16 +52,6 @@ struct OrderCommandOptions {
   bool no_bake_base = false;
   std::uint32_t validate = 60;
   bool dry_run = false;
-};
-
-class Stopwatch {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 // "1.5,3,inf". CLI11's own lists know no infinity.
@@ -109,7 +103,6 @@ void check_options(const OrderCommandOptions& options) {
   if (options.output.empty() && options.frontier.empty() && !options.dry_run) {
     throw Error(ErrorKind::bad_argument, "no output file given: -o OUT.glb");
   }
-  if (!options.output.empty()) check_output(options.output);
   for (const std::string& path : options.frontier) check_frontier_path(path);
   if (options.order.method == OrderMethod::acyclic) check_acyclic(options);
   if (options.order.cache_size > 0 && options.order.cache_size < 3) {
@@ -300,31 +293,36 @@ OrderReport new_report(const OrderCommandOptions& options) {
   return report;
 }
 
-void run_order(OrderCommandOptions options, Session& session) {
-  const Stopwatch total;
-  check_options(options);
-  options.order.partition = parse_partition(options.views);
-  options.order.distances = sample_distances(options);
-  options.order.seed = session.options().seed;
-  options.write.bake_base = !options.no_bake_base;
-  if (options.buffers > 0) options.order.min_buffers = options.order.max_buffers = options.buffers;
+void dry_run(const OrderCommandOptions& options, Session& session) {
+  const Model model = read_model(options.input);
+  const Selection selection = select_primitives(model, options.selection);
+  for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
+  print_plan(model, selection, options, session);
+}
 
+struct FileOutcome {
+  OrderReport report;  // without -o: empty
+  std::vector<Reached> reached;
+};
+
+FileOutcome order_file(OrderCommandOptions options, Session& session) {
+  FileOutcome done;
+  const Stopwatch total;
   OrderReport report = new_report(options);
+  begin_stage(session.progress(), "reading", 0);
   Model model = read_model(options.input);
   stop_if_signalled();
   const Selection selection = select_primitives(model, options.selection);
   report.notes = selection.notes;
   for (const std::string& note : model.notes) session.detail(model.path + ": " + note);
   for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
-  if (options.dry_run) {
-    print_plan(model, selection, options, session);
-    return;
-  }
   const std::vector<MeshReport> checks = prepare_model(model, selection, options);
   report.seconds_read = total.seconds();
+  std::optional<CheckpointStore> checkpoints;
+  if (!options.checkpoint.empty()) checkpoints.emplace(options.checkpoint, session.progress());
+  options.order.checkpoints = checkpoints ? &*checkpoints : nullptr;
 
   std::vector<OrderedPrimitive> ordered;
-  std::vector<Reached> reached;
   FrontierReport frontier = new_frontier_report(options);
   for (std::size_t k = 0; k < selection.primitives.size(); ++k) {
     const std::string& name = model.primitives[selection.primitives[k]].name;
@@ -337,12 +335,12 @@ void run_order(OrderCommandOptions options, Session& session) {
     if (!options.frontier.empty()) frontier.primitives.push_back(std::move(one.frontier));
     stop_if_signalled();
     if (options.output.empty()) {
-      reached.push_back(reached_by(frontier.primitives.back()));
+      done.reached.push_back(reached_by(frontier.primitives.back()));
       continue;
     }
     one.report.check = checks[k];
     one.report.split = split;
-    reached.push_back(reached_by(one.report));
+    done.reached.push_back(reached_by(one.report));
     ordered.push_back(std::move(one.ordered));
     report.primitives.push_back(std::move(one.report));
   }
@@ -351,21 +349,98 @@ void run_order(OrderCommandOptions options, Session& session) {
   if (!options.frontier.empty()) session.print(to_text(frontier));
   if (options.output.empty()) {
     session.write_json(to_json(frontier));
-    if (options.target_given) check_quality(reached, options.order, options.input, options.frontier.front());
-    return;
+    if (checkpoints) checkpoints->finish();
+    return done;
   }
 
+  begin_stage(session.progress(), "writing", 0);
   const Stopwatch writing;
   const WriteReport written = write_model(model, ordered, options.output, options.write);
+  if (checkpoints) checkpoints->finish();
   report.seconds_write = writing.seconds();
   report.disk_bytes = written.order_bytes;
   report.file_bytes = written.file_bytes;
   report.files = written.files;
   report.seconds_total = total.seconds();
   report.peak_rss_bytes = peak_rss_bytes();
-  session.print(to_text(report));
-  session.write_json(to_json(report));
-  if (options.target_given) check_quality(reached, options.order, options.input, options.output);
+  done.report = std::move(report);
+  return done;
+}
+
+// Throws Error{quality_missed}.
+void check_target(const FileOutcome& done, const OrderCommandOptions& options) {
+  if (!options.target_given) return;
+  check_quality(done.reached, options.order, options.input,
+                options.output.empty() ? options.frontier.front() : options.output);
+}
+
+void run_single(const OrderCommandOptions& options, Session& session) {
+  if (options.run.skip_existing && is_up_to_date({options.input, options.output, {}})) {
+    session.note(options.output + ": is there: skipped");
+    return;
+  }
+  try {
+    const FileOutcome done = order_file(options, session);
+    if (!options.output.empty()) {
+      session.print(to_text(done.report));
+      session.write_json(to_json(done.report));
+    }
+    check_target(done, options);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::interrupted || options.checkpoint.empty()) throw;
+    throw Error(ErrorKind::interrupted,
+                "interrupted: the same command continues from the records in " + options.checkpoint);
+  }
+}
+
+void run_order(OrderCommandOptions options, Session& session) {
+  check_options(options);
+  options.order.partition = parse_partition(options.views);
+  options.order.distances = sample_distances(options);
+  options.order.seed = session.options().seed;
+  options.write.bake_base = !options.no_bake_base;
+  if (options.buffers > 0) options.order.min_buffers = options.order.max_buffers = options.buffers;
+
+  const auto options_of = [&](const BatchJob& job) {
+    OrderCommandOptions own = options;
+    own.input = job.input;
+    own.output = job.output;
+    own.checkpoint = job.checkpoint;
+    return own;
+  };
+  if (is_into_folder(options.run, options.output)) {
+    if (!options.frontier.empty()) {
+      throw Error(ErrorKind::bad_argument, "--frontier needs one model, and one file to write: -o OUT.glb");
+    }
+    if (options.dry_run) {
+      for (const BatchJob& job : plan_batch(options.run, options.output)) {
+        session.print(fmt::format("{} -> {}\n", job.input, job.output));
+        dry_run(options_of(job), session);
+      }
+      return;
+    }
+    run_batch(options.run, options.output, session, [&](const BatchJob& job) {
+      check_output(job.output);
+      const OrderCommandOptions own = options_of(job);
+      FileOutcome done = order_file(own, session);
+      BatchOutcome outcome{std::move(done.report), {}};
+      try {
+        check_target(done, own);
+      } catch (const Error& error) {
+        outcome.missed_quality = error.what();
+      }
+      return outcome;
+    });
+    return;
+  }
+  const OrderCommandOptions own =
+      options_of({all_inputs(options.run).front(), options.output, options.run.checkpoint});
+  if (!own.output.empty()) check_output(own.output);
+  if (own.dry_run) {
+    dry_run(own, session);
+  } else {
+    run_single(own, session);
+  }
 }
 
 void add_order_options(CLI::App& command, OrderCommandOptions& o) {
@@ -548,10 +623,15 @@ void add_order_command(CLI::App& app, Chosen& chosen) {
                   "  pellucid order glass.glb -o out.glb --max-error 0.001 --max-buffers 12\n"
                   "  pellucid order glass.glb --frontier curve.svg --frontier curve.json\n"
                   "  pellucid order glass.glb -o out.gltf --method acyclic --views S2,2 --json stats.json\n"
-                  "  pellucid order car.glb -o out.glb --material Windows --split-buffer --encoding meshopt",
+                  "  pellucid order car.glb -o out.glb --material Windows --split-buffer --encoding meshopt\n"
+                  "  pellucid order dragon.ply -o dragon.glb --checkpoint dragon.records\n"
+                  "  pellucid order a.glb b.ply c.obj -o ordered/ --json ordered.json",
                   1, [options](Session& session) { run_order(*options, session); });
-  command->add_option("MODEL", options->input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
-  command->add_option("-o,--output", options->output, "The file to write: .glb or .gltf")->type_name("FILE");
+  add_run_options(*command, options->run);
+  command
+      ->add_option("-o,--output", options->output,
+                   "The file to write: .glb or .gltf; for several models a folder: OUTDIR/")
+      ->type_name("FILE");
   add_order_options(*command, *options);
   add_file_options(*command, *options);
 }

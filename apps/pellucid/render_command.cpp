@@ -1,7 +1,6 @@
 // pellucid render: one picture of a file, drawn exactly or as one of its orders draws it.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "choice.h"
@@ -58,7 +57,7 @@ void run_render(const RenderOptions& options, Session& session) {
     throw Error(ErrorKind::bad_argument,
                 "--technique: '" + options.technique + "' is not there (see pellucid techniques)");
   }
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);
   const Scene scene = make_scene(read_model(options.input));
@@ -86,7 +85,7 @@ void run_render(const RenderOptions& options, Session& session) {
   write_png(image, options.output);
 
   const double ipr = covered == 0 ? 0 : static_cast<double>(wrong.incorrect) / static_cast<double>(covered);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   session.print(fmt::format("{}: {}x{}, {}: {} fragments on {} pixels, wrong {}\n", options.output,
                             size.width, size.height, options.picture_name,
                             format_count(fragments.fragments.size()), format_count(covered),

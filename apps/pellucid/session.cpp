@@ -28,14 +28,31 @@ void Session::set_subject(const std::string& subject) {
   static_cast<TerminalProgress&>(*progress_).set_subject(subject);
 }
 
+void Session::set_file(const std::string& file) {
+  static_cast<TerminalProgress&>(*progress_).set_file(file);
+}
+
 void Session::print(const std::string& text) const {
   static_cast<TerminalProgress&>(*progress_).clear();
   if (options_.json != "-" && !options_.quiet) write_stdout(text);
 }
 
 void Session::note(const std::string& line) const {
+  progress_->note(line);
+}
+
+void Session::complain(const std::string& message) const {
   static_cast<TerminalProgress&>(*progress_).clear();
-  if (!options_.quiet) std::fprintf(stderr, "pellucid: note: %s\n", line.c_str());
+  cli::complain(message);
+}
+
+void complain(const std::string& message) {
+  // One line, whatever a file name holds.
+  std::string line = message;
+  for (char& c : line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::fprintf(stderr, "pellucid: %s\n", line.c_str());
 }
 
 void Session::detail(const std::string& line) const {
@@ -53,6 +70,29 @@ void Session::write_json(const std::string& json) const {
     write_file_atomically(options_.json, json);
   }
 }
+
+int exit_code(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::bad_argument:
+      return 2;
+    case ErrorKind::bad_input:
+      return 3;
+    case ErrorKind::nothing_to_do:
+      return 4;
+    case ErrorKind::quality_missed:
+      return 5;
+    case ErrorKind::interrupted:
+      return 130;
+    case ErrorKind::cannot_write:
+    case ErrorKind::internal:
+      break;
+  }
+  return 1;
+}
+
+const char* const kOutOfMemory =
+    "out of memory: try a smaller mesh (--simplify), fewer view cells (--views S1,2) or a smaller picture "
+    "(--size)";
 
 CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& description,
                       const std::string& examples, std::uint64_t default_seed, Work work) {

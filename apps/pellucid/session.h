@@ -32,11 +32,15 @@ class Session {
   [[nodiscard]] Progress* progress() const { return progress_.get(); }
   // Progress reports "2/5 name: graph" from now on; empty: the plain stage.
   void set_subject(const std::string& subject);
+  // The same for the file, where there are several; stands before the subject.
+  void set_file(const std::string& file);
 
   // Results, unless the JSON goes to stdout.
   void print(const std::string& text) const;
   // Things that the user should know, one line each; not with --quiet.
   void note(const std::string& line) const;
+  // One line of an error, even with --quiet.
+  void complain(const std::string& message) const;
   void detail(const std::string& line) const;  // only with --verbose
   // Writes what --json asked for.
   void write_json(const std::string& json) const;
@@ -45,6 +49,12 @@ class Session {
   CommonOptions options_;
   std::unique_ptr<Progress> progress_;
 };
+
+// "pellucid: message" on stderr, on one line.
+void complain(const std::string& message);
+int exit_code(ErrorKind kind);
+// What is said where memory does not suffice.
+extern const char* const kOutOfMemory;
 
 // A subcommand's work, run after parsing; what it throws becomes a message and an exit code.
 using Work = std::function<void(Session&)>;

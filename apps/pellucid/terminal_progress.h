@@ -4,9 +4,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "pellucid/base.h"
 
@@ -14,30 +16,37 @@ namespace pellucid::cli {
 
 class TerminalProgress final : public Progress {
  public:
+  // `wanted` false: neither the line nor notes.
   explicit TerminalProgress(bool wanted);
   ~TerminalProgress() override;
 
   void begin(std::string_view name, std::uint64_t total) override;
   void advance(std::uint64_t amount) override;
+  void note(std::string_view line) override;
   [[nodiscard]] bool stop_requested() const override;
 
+  // What stands before the stage: "3/12 bunny.ply: 1/2 body: occlusion graph".
+  void set_file(const std::string& file);
   void set_subject(const std::string& subject);
-  // Wipe the line, so that other text can be written.
+  // Wipe the line until the next stage begins, so that other text can be written.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
-  void draw(Clock::time_point now);
+  // Steps may take long: the clock goes on while nothing advances.
+  void keep_drawing();
+  void draw();
+  void wipe();
 
-  const bool visible_;
-  std::mutex mutex_;
-  std::string subject_;
-  std::string stage_;
+  const bool wanted_, visible_;
+  std::mutex mutex_;  // of all that follows but the counts
+  std::string file_, subject_, stage_;
   Clock::time_point started_;
-  Clock::time_point drawn_;
-  bool on_screen_ = false;
-  std::atomic<std::uint64_t> total_{0};
+  std::uint64_t total_ = 0;
+  bool in_stage_ = false, on_screen_ = false, closing_ = false;
   std::atomic<std::uint64_t> done_{0};
+  std::condition_variable closes_;
+  std::thread drawer_;
 };
 
 // Ctrl-C and SIGTERM raise a flag that stop_requested() reads; a second one ends the process at once.

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -94,7 +95,7 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-// --------------------------------------------------------------------------------------------- progress
+// ---------------------------------------------------------------------------------- progress and time
 
 // How long work tells of itself, and how it is told to stop. The library never prints; the command line
 // derives from this. Methods may be called from several threads at once.
@@ -109,6 +110,8 @@ class Progress {
   // `total` = 0: the amount of work is not known.
   virtual void begin(std::string_view name, std::uint64_t total) = 0;
   virtual void advance(std::uint64_t amount) = 0;
+  // One line that the user should know of while work goes on, such as a damaged record that is made anew.
+  virtual void note(std::string_view /*line*/) {}
   // True once the caller wants to stop: the work then ends soon with Error{interrupted}.
   [[nodiscard]] virtual bool stop_requested() const { return false; }
 };
@@ -123,6 +126,23 @@ inline void begin_stage(Progress* progress, std::string_view name, std::uint64_t
 inline void advance_stage(Progress* progress, std::uint64_t amount) {
   if (progress != nullptr) progress->advance(amount);
 }
+
+// Wall time since it was made.
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  // The seconds so far; then it starts anew.
+  double lap() {
+    const double elapsed = seconds();
+    start_ = std::chrono::steady_clock::now();
+    return elapsed;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 // ----------------------------------------------------------------------------------------------- random
 
@@ -144,6 +164,8 @@ class Random {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   // Uniform in 0 .. count - 1; count > 0.
   std::uint64_t below(std::uint64_t count) { return next() % count; }
+  // Random(state()) goes on where this one is.
+  [[nodiscard]] std::uint64_t state() const { return state_; }
   // Uniform on the unit sphere.
   Vec3d direction() {
     const double z = uniform(-1.0, 1.0);

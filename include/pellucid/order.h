@@ -24,6 +24,8 @@
 
 namespace pellucid {
 
+class CheckpointStore;
+
 using NodeId = std::uint32_t;
 constexpr NodeId node_of(std::uint32_t triangle, bool flipped) {
   return 2 * triangle + (flipped ? 1 : 0);
@@ -159,6 +161,9 @@ struct OrderOptions {
   std::uint64_t memory = 0;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
+  // Where finished parts are kept, so that the next run with the same mesh and options goes on where this one
+  // was stopped or killed (pellucid/checkpoint.h). Null: nowhere.
+  CheckpointStore* checkpoints = nullptr;
 };
 
 std::vector<double> default_distances();

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pellucid/asset.h"
@@ -104,7 +105,25 @@ struct OrderReport {
   std::uint64_t peak_rss_bytes = 0;
 };
 std::string to_text(const OrderReport& report);
+std::string to_line(const OrderReport& report);  // output, size and error of its worst primitive
 std::string to_json(const OrderReport& report);
+
+// Many files in one call.
+struct OrderFailure {
+  std::string input, output;
+  int exit_code = 1;  // that of the file alone; 5: the output was written all the same
+  std::string message;
+};
+struct OrderBatchReport {
+  std::uint64_t inputs = 0;
+  std::vector<OrderReport> results;  // of all files that were written
+  std::vector<OrderFailure> failures;
+  std::vector<std::pair<std::string, std::string>> skipped;  // input, output that was there
+  bool interrupted = false;
+  double seconds_total = 0;
+  std::uint64_t peak_rss_bytes = 0;
+};
+std::string to_json(const OrderBatchReport& report);
 
 // ---------------------------------------------------------------------------------------- pellucid measure
 

@@ -18,6 +18,22 @@
 namespace pellucid {
 namespace {
 
+// Where the search stands between two rounds of relaxation: all that its further course depends on. Edges are
+// left out: they are the union of those of the cells.
+struct SearchState {
+  std::vector<std::uint32_t> numbers;  // of the live clusters
+  std::vector<std::vector<std::uint32_t>> cells, ranks;
+  std::map<std::uint32_t, std::uint32_t> losses;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> refused;
+  std::uint64_t random = 0;
+  std::uint32_t fruitless = 0, rounds = 0, clusters_before = 0;
+};
+template <class Archive, RecordOf<SearchState> T>
+void fields(Archive& archive, T& state) {
+  archive(state.numbers, state.cells, state.ranks, state.losses, state.refused, state.random, state.fruitless,
+          state.rounds, state.clusters_before);
+}
+
 struct Cluster {
   std::vector<std::uint32_t> cells;  // sorted; empty: merged away
   EdgeSet edges;
@@ -26,19 +42,27 @@ struct Cluster {
 
 class AcyclicClustering {
  public:
-  AcyclicClustering(const OrderProblem& problem, const OrderOptions& options, OrderStatistics& statistics)
+  AcyclicClustering(const OrderProblem& problem, const OrderOptions& options, OrderStatistics& statistics,
+                    const RunRecords& records)
       : partition_(problem.partition),
         graph_(problem.graph),
         options_(options),
         statistics_(statistics),
+        records_(records),
+        random_(options.seed),
         table_(make_edge_table(problem.graph)),
         cell_edges_(problem.graph.cells.size()),
         cluster_of_(problem.graph.cells.size()) {}
 
   Clustering run() {
     make_cells();
-    merge_greedily();
-    statistics_.clusters_before_relaxation = static_cast<std::uint32_t>(live_clusters().size());
+    if (const auto state = recorded<SearchState>(records_, "clusters")) {
+      restore(*state);
+    } else {
+      merge_greedily();
+      statistics_.clusters_before_relaxation = static_cast<std::uint32_t>(live_clusters().size());
+      record_state();
+    }
     relax();
     statistics_.clusters_lower_bound =
         static_cast<std::uint32_t>(contradicting_cells(table_, cell_edges_).size());
@@ -219,22 +243,23 @@ class AcyclicClustering {
 
   // Rounds over all clusters in random order, until several rounds in a row remove none.
   void relax() {
-    Random random(options_.seed);
     begin_stage(options_.progress, "relaxation", 0);
-    for (std::uint32_t fruitless = 0; fruitless < options_.fruitless_rounds && live_clusters().size() > 1;) {
+    while (fruitless_ < options_.fruitless_rounds && live_clusters().size() > 1) {
       const std::size_t before = live_clusters().size();
       std::vector<std::uint32_t> order = live_clusters();
-      for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+      for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random_.below(i)]);
       for (const std::uint32_t cluster : order) {
-        if (!clusters_[cluster].cells.empty()) relax_cluster(cluster, random);
+        if (!clusters_[cluster].cells.empty()) relax_cluster(cluster);
+        advance_stage(options_.progress, 1);
       }
       ++statistics_.iterations;
-      fruitless = live_clusters().size() < before ? 0 : fruitless + 1;
+      fruitless_ = live_clusters().size() < before ? 0 : fruitless_ + 1;
+      record_state();
     }
   }
 
   // Push cells of the 1-ring out to the 2-ring, then the cells of S out to the 1-ring.
-  void relax_cluster(std::uint32_t s, Random& random) {
+  void relax_cluster(std::uint32_t s) {
     const std::set<std::uint32_t> ring1 = neighbors_of_cluster(s);
     std::set<std::uint32_t> inner = ring1;
     inner.insert(s);
@@ -242,15 +267,13 @@ class AcyclicClustering {
     for (const std::uint32_t cluster : ring1) {
       ring1_cells.insert(ring1_cells.end(), clusters_[cluster].cells.begin(), clusters_[cluster].cells.end());
     }
-    move_cells(
-        ring1_cells, [&](std::uint32_t target) { return !inner.contains(target); }, random);
-    move_cells(
-        clusters_[s].cells, [&](std::uint32_t target) { return target != s; }, random);
+    move_cells(ring1_cells, [&](std::uint32_t target) { return !inner.contains(target); });
+    move_cells(clusters_[s].cells, [&](std::uint32_t target) { return target != s; });
   }
 
   // Move cells of the list to neighbouring clusters that `allowed` names, at random, until none can move.
   template <class Allowed>
-  void move_cells(std::vector<std::uint32_t> cells, const Allowed& allowed, Random& random) {
+  void move_cells(std::vector<std::uint32_t> cells, const Allowed& allowed) {
     std::sort(cells.begin(), cells.end());
     for (bool moved = true; moved;) {
       moved = false;
@@ -265,7 +288,7 @@ class AcyclicClustering {
         }
         for (const std::uint32_t target : targets) moves.emplace_back(cell, target);
       }
-      for (std::size_t i = moves.size(); i > 1; --i) std::swap(moves[i - 1], moves[random.below(i)]);
+      for (std::size_t i = moves.size(); i > 1; --i) std::swap(moves[i - 1], moves[random_.below(i)]);
       std::set<std::uint32_t> gone;
       for (const auto& [cell, target] : moves) {
         stop_if_requested(options_.progress);
@@ -305,9 +328,50 @@ class AcyclicClustering {
   // A cluster that lost cells keeps edges of theirs until somebody needs to know.
   void refresh(std::uint32_t cluster) {
     if (stale_.erase(cluster) == 0) return;
+    clusters_[cluster].edges = edges_of(clusters_[cluster].cells);
+  }
+
+  // ---------------------------------------------------------------------------------------------- records
+
+  void record_state() {
+    if (!records_.kept()) return;
+    SearchState state;
+    state.numbers = live_clusters();
+    for (const std::uint32_t number : state.numbers) {
+      state.cells.push_back(clusters_[number].cells);
+      state.ranks.push_back(clusters_[number].ranks);
+    }
+    state.losses = losses_;
+    state.refused = refused_;
+    state.random = random_.state();
+    state.fruitless = fruitless_;
+    state.rounds = statistics_.iterations;
+    state.clusters_before = statistics_.clusters_before_relaxation;
+    record(records_, "clusters", state);
+  }
+
+  void restore(const SearchState& state) {
+    clusters_.assign(state.numbers.empty() ? 0 : state.numbers.back() + 1, {});
+    for (std::size_t i = 0; i < state.numbers.size(); ++i) {
+      Cluster& cluster = clusters_[state.numbers[i]];
+      cluster.cells = state.cells[i];
+      cluster.ranks = state.ranks[i];
+      for (const std::uint32_t cell : cluster.cells) cluster_of_[cell] = state.numbers[i];
+      cluster.edges = edges_of(cluster.cells);
+    }
+    losses_ = state.losses;
+    refused_ = state.refused;
+    random_ = Random(state.random);
+    fruitless_ = state.fruitless;
+    statistics_.iterations = state.rounds;
+    statistics_.clusters_before_relaxation = state.clusters_before;
+  }
+
+  [[nodiscard]] EdgeSet edges_of(const std::vector<std::uint32_t>& cells) const {
     std::vector<const EdgeSet*> parts;
-    for (const std::uint32_t cell : clusters_[cluster].cells) parts.push_back(&cell_edges_[cell]);
-    clusters_[cluster].edges = unite_all(table_, parts);
+    parts.reserve(cells.size());
+    for (const std::uint32_t cell : cells) parts.push_back(&cell_edges_[cell]);
+    return unite_all(table_, parts);
   }
 
   Clustering result() {
@@ -330,6 +394,9 @@ class AcyclicClustering {
   const OcclusionGraph& graph_;
   const OrderOptions& options_;
   OrderStatistics& statistics_;
+  const RunRecords& records_;
+  Random random_;
+  std::uint32_t fruitless_ = 0;  // rounds of relaxation since one removed a cluster
   EdgeTable table_;
   std::vector<EdgeSet> cell_edges_;
   std::vector<Cluster> clusters_;  // merged ones are appended; relaxation only moves cells between live ones
@@ -345,8 +412,8 @@ class AcyclicClustering {
 }  // namespace
 
 Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options,
-                               OrderStatistics& statistics) {
-  return AcyclicClustering(problem, options, statistics).run();
+                               OrderStatistics& statistics, const RunRecords& records) {
+  return AcyclicClustering(problem, options, statistics, records).run();
 }
 
 }  // namespace pellucid

@@ -5,13 +5,14 @@
 #include "budget.h"
 #include "order_problem.h"
 #include "pellucid/order.h"
+#include "run_records.h"
 
 namespace pellucid {
 
 // Greedy merging of neighbouring clusters by priority, then relaxation. Cells whose own edges are cyclic
 // first lose the edges that the best order found violates (counted in `statistics`). The result's orders
-// violate no kept edge.
+// violate no kept edge. What it has after merging, and after every round of relaxation, goes to `records`.
 Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& options,
-                               OrderStatistics& statistics);
+                               OrderStatistics& statistics, const RunRecords& records = {});
 
 }  // namespace pellucid

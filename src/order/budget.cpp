@@ -71,11 +71,14 @@ std::vector<Vec3d> spread_directions(std::uint32_t count, Random& random) {
 void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options, float light,
                       const std::vector<std::uint8_t>& changed, Clustering& clustering) {
   const auto reorder = [&](std::uint32_t cluster) {
+    advance_stage(options.progress, 1);
     if (changed[cluster] == 0) return;
     stop_if_requested(options.progress);
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, cluster);
     const PairWishes wishes = net_wishes(sum_cells(graph, cells, light * static_cast<float>(cells.size())));
-    sift(wishes, options.sift, clustering.ranks[cluster]);
+    SiftOptions sifting = options.sift;
+    sifting.progress = options.progress;
+    sift(wishes, sifting, clustering.ranks[cluster]);
   };
   if (graph.spilled) {  // memory is short: one cluster's sum at a time
     for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) reorder(cluster);

@@ -12,6 +12,7 @@
 #include "linear_order.h"
 #include "occlusion_graph.h"
 #include "pellucid/view.h"
+#include "record.h"
 
 namespace pellucid {
 
@@ -23,6 +24,11 @@ struct Clustering {
 
   [[nodiscard]] std::uint32_t cluster_count() const { return static_cast<std::uint32_t>(ranks.size()); }
 };
+
+template <class Archive, RecordOf<Clustering> T>
+void fields(Archive& archive, T& clustering) {
+  archive(clustering.cluster_of, clustering.ranks, clustering.violated, clustering.rounds);
+}
 
 // Where every node lies along the view directions of some cells: its mean depth, the classical painter's key.
 // Smaller is nearer. One value per node.

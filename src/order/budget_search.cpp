@@ -35,7 +35,6 @@ class BudgetSearch {
   BudgetResult run() {
     const std::uint32_t most = std::max(options_.max_buffers, options_.min_buffers);
     // The coarse mesh says where to look; the full mesh decides.
-    begin_stage(options_.progress, "clustering", 0);
     std::uint32_t count = likely_count(options_.min_buffers, most);
 
     BudgetResult best = solve_fine(count);
@@ -60,15 +59,16 @@ class BudgetSearch {
 
   std::vector<BudgetResult> run_all() {
     std::vector<BudgetResult> results;
-    begin_stage(options_.progress, "clustering", options_.max_buffers + 1 - options_.min_buffers);
     for (std::uint32_t count = options_.min_buffers; count <= options_.max_buffers; ++count) {
       results.push_back(solve_fine(count));
-      advance_stage(options_.progress, 1);
     }
     return results;
   }
 
  private:
+  static std::string name_of(std::string step, std::uint32_t count) {
+    return step.append("-").append(std::to_string(count));
+  }
   [[nodiscard]] bool same_problem() const { return &coarse_ == &fine_; }
   [[nodiscard]] bool same_mesh() const { return coarse_.mesh == fine_.mesh; }
 
@@ -101,12 +101,22 @@ class BudgetSearch {
   double coarse_error(std::uint32_t count) {
     const auto known = coarse_errors_.find(count);
     if (known != coarse_errors_.end()) return known->second;
-    return coarse_errors_[count] = options_.target.error_of(measure(coarse_, solve_coarse(count)));
+    return coarse_errors_[count] = checkpointed(options_.records, name_of("coarse-error", count), [&] {
+             return options_.target.error_of(measure(coarse_, solve_coarse(count)));
+           });
   }
 
   const Clustering& solve_coarse(std::uint32_t count) {
     const auto known = coarse_solutions_.find(count);
     if (known != coarse_solutions_.end()) return known->second;
+    return coarse_solutions_
+        .emplace(count,
+                 checkpointed(options_.records, name_of("coarse", count), [&] { return find_coarse(count); }))
+        .first->second;
+  }
+
+  [[nodiscard]] Clustering find_coarse(std::uint32_t count) const {
+    begin_stage(options_.progress, std::string("trying ").append(std::to_string(count)).append(" orders"), 0);
     // A single order has no start to choose.
     std::vector<Clustering> trials(count == 1 ? 1 : kStarts);
     tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(trials.size()), [&](std::uint32_t trial) {
@@ -115,6 +125,7 @@ class BudgetSearch {
                                             count, options_.seed * 1000 + trial);
       KMeansOptions first_rounds;
       first_rounds.rounds = kTrialRounds;
+      first_rounds.progress = options_.progress;
       trials[trial] = improve_clustering(coarse_.graph, start, first_rounds);
     });
     const auto best =
@@ -123,14 +134,25 @@ class BudgetSearch {
     KMeansOptions further;
     further.contiguity = kContiguity;
     further.partition = &coarse_.partition;
-    return coarse_solutions_.emplace(count, improve_clustering(coarse_.graph, std::move(*best), further))
-        .first->second;
+    further.progress = options_.progress;
+    return improve_clustering(coarse_.graph, std::move(*best), further);
   }
 
   BudgetResult solve_fine(std::uint32_t count) {
     stop_if_requested(options_.progress);
+    BudgetResult result =
+        checkpointed(options_.records, name_of("fine", count), [&] { return find_fine(count); });
+    known_count_ = count;
+    known_error_ = result.error;
+    return result;
+  }
+
+  BudgetResult find_fine(std::uint32_t count) {
     BudgetResult result;
     const Clustering& coarse = solve_coarse(count);
+    // Rounds of sifting every order, then the error.
+    const std::uint64_t steps = same_problem() ? 1 : kFineRounds * count + 1;
+    begin_stage(options_.progress, std::to_string(count).append(" orders"), steps);
     if (same_problem()) {
       result.clustering = coarse;
     } else {
@@ -151,8 +173,7 @@ class BudgetSearch {
     }
     result.measured = measure(fine_, result.clustering);
     result.error = options_.target.error_of(result.measured);
-    known_count_ = count;
-    known_error_ = result.error;
+    advance_stage(options_.progress, 1);
     return result;
   }
 

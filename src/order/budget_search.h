@@ -11,6 +11,7 @@
 #include "budget.h"
 #include "error_target.h"
 #include "order_problem.h"
+#include "run_records.h"
 
 namespace pellucid {
 
@@ -25,6 +26,7 @@ struct BudgetOptions {
   double picture_alpha = 0;  // measure the PSNR of pictures with faces of this opacity, too; 0: no
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
+  RunRecords records{};  // of every number of buffers that was tried
 };
 
 struct BudgetResult {
@@ -32,6 +34,15 @@ struct BudgetResult {
   PictureError measured;  // on the held-out viewpoints
   double error = 0;       // the same by the target's measure
 };
+
+template <class Archive, RecordOf<PictureError> T>
+void fields(Archive& archive, T& error) {
+  archive(error.ipr, error.psnr);
+}
+template <class Archive, RecordOf<BudgetResult> T>
+void fields(Archive& archive, T& result) {
+  archive(result.clustering, result.measured, result.error);
+}
 
 // `coarse` is a simpler mesh, or fewer cells, or both; or `fine` itself, where there is nothing to leave out.
 BudgetResult search_budget(const OrderProblem& coarse, const OrderProblem& fine,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pellucid/order.h"
+#include "record.h"
 #include "spill_file.h"
 
 namespace pellucid {
@@ -25,6 +26,11 @@ struct EdgeRows {
   }
   [[nodiscard]] std::uint64_t edge_count() const { return backs.size(); }
 };
+
+template <class Archive, RecordOf<EdgeRows> T>
+void fields(Archive& archive, T& rows) {
+  archive(rows.offsets, rows.backs, rows.weights);
+}
 
 // Some rows of CompactRows, in memory while this lives.
 class RowBlock {
@@ -82,6 +88,12 @@ class CompactRows {
   void move_to(const std::shared_ptr<SpillFile>& file);
 
  private:
+  // While the words are in memory.
+  template <class Archive, RecordOf<CompactRows> T>
+  friend void fields(Archive& archive, T& rows) {
+    archive(rows.offsets_, rows.words_, rows.edge_count_);
+  }
+
   std::vector<std::uint32_t> offsets_;  // nodes + 1
   std::vector<std::uint32_t> words_;
   std::uint64_t edge_count_ = 0;

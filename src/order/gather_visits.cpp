@@ -82,10 +82,11 @@ class VisitSearch {
     }
   }
 
-  NodeSequence run() {
+  NodeSequence run(const Progress* progress) {
     NodeSequence best = sequence_;
     std::uint64_t least = simulate_fifo(mesh_, sequence_, cache_size_, &clocks_);
     for (std::uint32_t i = 0; i < kMostSweeps; ++i) {
+      stop_if_requested(progress);
       const std::size_t moved = sweep();
       const std::uint64_t misses = simulate_fifo(mesh_, sequence_, cache_size_, &clocks_);
       if (misses < least) {
@@ -346,8 +347,8 @@ std::uint64_t fifo_misses(const Mesh& mesh, const NodeSequence& sequence, std::u
 }
 
 NodeSequence gather_visits(const Mesh& mesh, const SequenceConstraints& constraints, NodeSequence sequence,
-                           std::uint32_t cache_size) {
-  return VisitSearch(mesh, constraints, std::move(sequence), cache_size).run();
+                           std::uint32_t cache_size, const Progress* progress) {
+  return VisitSearch(mesh, constraints, std::move(sequence), cache_size).run(progress);
 }
 
 }  // namespace pellucid

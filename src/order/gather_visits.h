@@ -16,8 +16,8 @@ std::uint64_t fifo_misses(const Mesh& mesh, const NodeSequence& sequence, std::u
 // nodes that stand in its way. Uses are worth more in long visits than in short ones, so that visits that
 // cannot vanish at once wear away: that is how the flipped twins of a patch come to stand beside it.
 // `sequence` must agree with the constraints, and so does the result; it never has more misses.
-// O(sweeps * nodes * valence^2 + edges); deterministic.
+// O(sweeps * nodes * valence^2 + edges); deterministic. `progress` may stop it.
 NodeSequence gather_visits(const Mesh& mesh, const SequenceConstraints& constraints, NodeSequence sequence,
-                           std::uint32_t cache_size);
+                           std::uint32_t cache_size, const Progress* progress = nullptr);
 
 }  // namespace pellucid

@@ -209,6 +209,7 @@ double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<st
   Sifter sifter(wishes, options, trial);
   double left = before;
   for (std::uint32_t sweep = 0; sweep < options.sweeps && left > 0; ++sweep) {
+    stop_if_requested(options.progress);
     const double saved = sifter.sweep();
     if (saved <= options.least_gain * left) break;
     left -= saved;

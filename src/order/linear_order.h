@@ -39,6 +39,7 @@ struct SiftOptions {
   // A node lands at most so many ranks behind the one it passes, else in the middle of the gap. Where other
   // nodes may lie in the gap whose wishes are not known, it should be close.
   double step = std::numeric_limits<double>::infinity();
+  const Progress* progress = nullptr;  // may stop it
 };
 // Improve `ranks` (a permutation of 0 .. nodes - 1) in place; never makes it worse. Returns the violated
 // weight. O(edges) a sweep, plus sorting of what violated nodes look at.

@@ -25,6 +25,21 @@ constexpr std::uint32_t kCellsPerBatch = 16;
 // Finding what no sample of a cell shows takes about as long as so many viewpoints.
 constexpr std::uint32_t kViewsPerRegion = 10;
 
+// What is recorded of a batch of cells.
+struct BatchEdges {
+  std::span<CompactRows> cells;
+  std::span<double> weights, pruned;  // per cell
+  // Of the viewpoints that no batch before this one needed.
+  std::uint64_t viewpoint_edges = 0, intersecting = 0;
+};
+template <class Archive, RecordOf<BatchEdges> T>
+void fields(Archive& archive, T& batch) {
+  for (CompactRows& cell : batch.cells) archive(cell);
+  for (double& weight : batch.weights) archive(weight);
+  for (double& weight : batch.pruned) archive(weight);
+  archive(batch.viewpoint_edges, batch.intersecting);
+}
+
 class GraphBuilder {
  public:
   GraphBuilder(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
@@ -40,6 +55,7 @@ class GraphBuilder {
         options_(options),
         views_per_sample_(options.all_distances ? options.distances.size() : 1),
         views_(partition.samples.size() * views_per_sample_),
+        counted_(views_.size(), 0),
         uses_left_(partition.samples.size(), 0),
         scratch_([] { return OcclusionScratch{}; }),
         accumulators_(
@@ -62,11 +78,24 @@ class GraphBuilder {
     std::vector<double> pruned(partition_.cell_count());
     for (std::uint32_t begin = 0; begin < partition_.cell_count(); begin += kCellsPerBatch) {
       const std::uint32_t end = std::min(begin + kCellsPerBatch, partition_.cell_count());
-      find_missing_views(begin, end, graph);
-      tbb::parallel_for(begin, end, [&](std::uint32_t cell) {
-        unite_cell(cell, graph.cells[cell], weights[cell], pruned[cell]);
-        keep_within_memory(graph.cells[cell]);
-      });
+      const std::uint32_t count = end - begin;
+      BatchEdges batch{std::span(graph.cells).subspan(begin, count), std::span(weights).subspan(begin, count),
+                       std::span(pruned).subspan(begin, count)};
+      const std::string name = std::string("graph-").append(std::to_string(begin / kCellsPerBatch));
+      const std::vector<std::size_t> views = views_of(begin, end);
+      if (restore(name, batch)) {
+        advance_stage(options_.progress, count_views(views));
+      } else {
+        find_missing(views, batch);
+        tbb::parallel_for(begin, end, [&](std::uint32_t cell) {
+          unite_cell(cell, graph.cells[cell], weights[cell], pruned[cell]);
+        });
+        record(options_.records, name, batch);
+        count_views(views);
+      }
+      graph.viewpoint_edges += batch.viewpoint_edges;
+      graph.intersecting += batch.intersecting;
+      for (CompactRows& cell : batch.cells) keep_within_memory(cell);
       release_views(begin, end);
     }
     graph.spilled = spill_file_ != nullptr;
@@ -81,26 +110,49 @@ class GraphBuilder {
     return sample * views_per_sample_ + nth;
   }
 
-  void find_missing_views(std::uint32_t begin, std::uint32_t end, OcclusionGraph& graph) {
-    std::vector<std::size_t> missing;
+  // What some cells look from, each once.
+  [[nodiscard]] std::vector<std::size_t> views_of(std::uint32_t begin, std::uint32_t end) const {
+    std::vector<std::size_t> views;
     for (std::uint32_t cell = begin; cell < end; ++cell) {
       for (const std::uint32_t sample : partition_.samples_of(cell)) {
-        for (std::size_t d = 0; d < views_per_sample_; ++d) {
-          if (views_[view_index(sample, d)].offsets.empty()) missing.push_back(view_index(sample, d));
-        }
+        for (std::size_t d = 0; d < views_per_sample_; ++d) views.push_back(view_index(sample, d));
       }
     }
-    std::sort(missing.begin(), missing.end());
-    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
-    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+    std::sort(views.begin(), views.end());
+    views.erase(std::unique(views.begin(), views.end()), views.end());
+    return views;
+  }
+
+  void find_missing(std::vector<std::size_t> views, BatchEdges& batch) {
+    std::erase_if(views, [&](std::size_t view) { return !views_[view].offsets.empty(); });
+    tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
       stop_if_requested(options_.progress);
-      find_view(missing[i]);
-      advance_stage(options_.progress, 1);
+      find_view(views[i]);
+      if (counted_[views[i]] == 0) advance_stage(options_.progress, 1);
     });
-    for (const std::size_t view : missing) {
-      graph.viewpoint_edges += views_[view].backs.size();
-      graph.intersecting += views_[view].intersecting;
+    for (const std::size_t view : views) {
+      // A restored batch has counted the views that it shares with this one.
+      if (counted_[view] != 0) continue;
+      batch.viewpoint_edges += views_[view].backs.size();
+      batch.intersecting += views_[view].intersecting;
     }
+  }
+
+  bool restore(const std::string& name, BatchEdges& batch) {
+    const std::optional<std::vector<std::byte>> bytes = options_.records.load(name);
+    if (!bytes) return false;
+    if (RecordReader(*bytes).read(batch)) return true;
+    options_.records.refuse(name);
+    batch.viewpoint_edges = batch.intersecting = 0;
+    return false;
+  }
+
+  // Returns how many of them had not been counted before.
+  std::uint64_t count_views(const std::vector<std::size_t>& views) {
+    std::uint64_t fresh = 0;
+    for (const std::size_t view : views) fresh += counted_[view] == 0 ? 1U : 0U;
+    for (const std::size_t view : views) counted_[view] = 1;
+    return fresh;
   }
 
   void find_view(std::size_t view) {
@@ -171,6 +223,7 @@ class GraphBuilder {
   std::size_t views_per_sample_;
   std::vector<ViewpointEdges>
       views_;  // by sample and distance; empty before its first use and after its last
+  std::vector<std::uint8_t> counted_;  // by sample and distance: in the counts of a batch
   std::vector<std::uint32_t> uses_left_;
   tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
   tbb::enumerable_thread_specific<RowAccumulator> accumulators_;

@@ -8,6 +8,7 @@
 #include "edge_rows.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
+#include "run_records.h"
 
 namespace pellucid {
 
@@ -39,6 +40,7 @@ struct GraphOptions {
   // the weights that the samples show, but at least kUnseenWeight: none is left out for being light.
   double solid_from = 0, solid_to = 0;
   Progress* progress = nullptr;
+  RunRecords records{};  // of every batch of cells
 };
 // Square radii, mean over a cell: as light as the lightest edges that are kept of S[n,m].
 constexpr float kUnseenWeight = 3e-7F;

@@ -2,9 +2,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "acyclic.h"
 #include "base_sequence.h"
@@ -16,6 +17,7 @@
 #include "pellucid/order.h"
 #include "pellucid/shading.h"
 #include "refine.h"
+#include "run_records.h"
 #include "sequence.h"
 #include "strong_components.h"
 #include "upsample.h"
@@ -42,19 +44,6 @@ constexpr float kLeastBindingWeight = 1e-6F;
 constexpr std::size_t kMostShortVertices = 65535;
 // Clusters whose sequences are made at the same time.
 constexpr std::uint32_t kSequencesAtOnce = 4;
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 double tolerance_of(const OrderOptions& options) {
   if (options.tolerance >= 0) return options.tolerance;
@@ -122,8 +111,8 @@ PartitionSpec coarse_partition(const PartitionSpec& spec) {
 
 class Orderer {
  public:
-  Orderer(const Mesh& mesh, const OrderOptions& options) : mesh_(mesh), options_(options) {
-    check_options(mesh, options);
+  Orderer(const Mesh& mesh, const OrderOptions& options, const RunRecords& records)
+      : mesh_(mesh), options_(options), records_(records), completion_(records) {
     if (options_.distances.empty()) options_.distances = default_distances();
     range_ = valid_range(options_.partition.kind, options_.distances);
   }
@@ -151,6 +140,7 @@ class Orderer {
     for (std::uint32_t k = 0; k < solutions.size(); ++k) {
       solutions[k].clustering = without_unused_orders(std::move(solutions[k].clustering));
       record(solutions[k]);
+      completion_ = records_.part(std::to_string(k + 1).append("-orders"));
       // Only the full mesh can say what a carried order is worth.
       if (upsampling_) {
         complete(solutions[k].clustering, k + 1 == solutions.size());
@@ -168,6 +158,7 @@ class Orderer {
       result_ = std::move(completed[made]);
     } else {
       record(solutions[made]);
+      completion_ = records_.part(std::to_string(made + 1).append("-orders"));
       if (with_result) complete(solutions[made].clustering, true);
     }
     OrderResult chosen = finished();
@@ -184,12 +175,15 @@ class Orderer {
     upsampling_ = upsample_from > 0 && upsample_from < mesh_.triangles.size();
     if (upsampling_) simplified_ = simplify(mesh_, upsample_from);
 
-    fine_ = make_problem(ordered(), options_.partition, options_, tolerance_of(options_));
+    fine_ =
+        make_problem(ordered(), options_.partition, options_, tolerance_of(options_), records_.part("full"));
     if (has_simpler(ordered())) simpler_ = simplify(ordered(), kCoarseTriangles);
     const Mesh& coarse_mesh = has_simpler(ordered()) ? simpler_ : ordered();
     const PartitionSpec coarse_spec = coarse_partition(options_.partition);
     own_search_ = &coarse_mesh == &ordered() && coarse_spec == options_.partition;
-    if (!own_search_) coarse_ = make_problem(coarse_mesh, coarse_spec, options_, 0.0);
+    if (!own_search_) {
+      coarse_ = make_problem(coarse_mesh, coarse_spec, options_, 0.0, records_.part("coarse"));
+    }
     record_graph(fine_.graph);
     result_.statistics.seconds.graph = stage_.lap();
   }
@@ -200,7 +194,9 @@ class Orderer {
   // From clusters to sequences of the full mesh. `last`: the graph may go, nothing is completed after this.
   void complete(const Clustering& clustering, bool last) {
     result_.orders.orders = make_sequences(fine_, clustering);
-    result_.orders.base_sequence = base_sequence(mesh_, coarse());
+    begin_stage(options_.progress, "base order", 0);
+    result_.orders.base_sequence =
+        checkpointed(records_, "base-sequence", [&] { return base_sequence(mesh_, coarse()); });
     result_.statistics.seconds.sequence += stage_.lap();
     if (upsampling_) {
       if (last) fine_.graph = {};
@@ -235,7 +231,7 @@ class Orderer {
       record(found);
       return std::move(found.clustering);
     }
-    Clustering clustering = cluster_acyclically(fine_, options_, result_.statistics);
+    Clustering clustering = cluster_acyclically(fine_, options_, result_.statistics, records_);
     result_.statistics.violated_weight = share_of_weight(clustering.violated);
     return clustering;
   }
@@ -250,6 +246,7 @@ class Orderer {
     budget.picture_alpha = measured_alpha();
     budget.seed = options_.seed;
     budget.progress = options_.progress;
+    budget.records = records_;
     return budget;
   }
 
@@ -295,22 +292,24 @@ class Orderer {
   }
 
   // And the weight that any order of the cluster violates.
-  NodeSequence sequence_cluster(const OrderProblem& problem, const Clustering& clustering, std::uint32_t c,
-                                double& unavoidable) const {
+  [[nodiscard]] std::pair<NodeSequence, double> sequence_cluster(const OrderProblem& problem,
+                                                                 const Clustering& clustering,
+                                                                 std::uint32_t c) const {
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, c);
     const std::vector<std::uint8_t> drawn = visible_nodes(problem, cells, range_, options_.facing);
     const std::vector<std::uint32_t>& ranks = clustering.ranks[c];
     const EdgeRows edges = sum_cells(problem.graph, cells);
-    unavoidable = unavoidable_weight(edges, ranks);
-    if (options_.cache_size == 0) return rank_sequence(ranks, drawn);
+    const double unavoidable = unavoidable_weight(edges, ranks);
+    if (options_.cache_size == 0) return {rank_sequence(ranks, drawn), unavoidable};
     SequenceOptions sequence;
     sequence.method = options_.cache_method;
     sequence.cache_size = options_.cache_size;
+    sequence.progress = options_.progress;
     if (options_.method == OrderMethod::budget) {
       sequence.least_binding = kLeastBindingWeight;
       sequence.slack = options_.cache_slack * static_cast<double>(cells.size());
     }
-    return cache_aware_sequence(*problem.mesh, edges, ranks, drawn, sequence);
+    return {cache_aware_sequence(*problem.mesh, edges, ranks, drawn, sequence), unavoidable};
   }
 
   std::vector<NodeSequence> make_sequences(const OrderProblem& problem, const Clustering& clustering) {
@@ -327,7 +326,9 @@ class Orderer {
         [&](const tbb::blocked_range<std::uint32_t>& some) {
           for (std::uint32_t c = some.begin(); c < some.end(); ++c) {
             stop_if_requested(options_.progress);
-            sequences[c] = sequence_cluster(problem, clustering, c, unavoidable[c]);
+            std::tie(sequences[c], unavoidable[c]) =
+                checkpointed(completion_, std::string("sequence-").append(std::to_string(c)),
+                             [&] { return sequence_cluster(problem, clustering, c); });
             advance_stage(options_.progress, 1);
           }
         },
@@ -355,27 +356,35 @@ class Orderer {
     refine.alpha = options_.alpha;
     refine.front_only = options_.facing == Facing::single;
     refine.progress = options_.progress;
+    refine.records = completion_.part("repair");
     std::vector<EdgeRows> known;
     if (refine.rounds > 0) {
       known = refine_orders(mesh_, full.sphere, options_.partition, cluster_of, refine, ranks);
     }
     if (options_.method == OrderMethod::budget) {
+      begin_stage(options_.progress, "wrong pixels", 0);
       ValidationOptions validation =
           held_out_viewpoints(range_, refine.front_only, options_.seed, options_.progress);
       validation.picture_alpha = measured_alpha();
-      record(measure_picture_error(mesh_, full.sphere, full.partition, cluster_of, ranks, validation));
+      record(checkpointed(completion_, "full-error", [&] {
+        return measure_picture_error(mesh_, full.sphere, full.partition, cluster_of, ranks, validation);
+      }));
     }
     SequenceOptions sequence;
     sequence.method = options_.cache_method;
     sequence.cache_size = options_.cache_size;
+    sequence.progress = options_.progress;
     begin_stage(options_.progress, "sequences", ranks.size());
     for (std::uint32_t c = 0; c < ranks.size(); ++c) {
       stop_if_requested(options_.progress);
-      const std::vector<std::uint8_t> drawn =
-          visible_nodes(full, cells_of_cluster(cluster_of, c), range_, options_.facing);
-      result_.orders.orders[c] = refine.rounds == 0 || options_.cache_size == 0
-                                     ? rank_sequence(ranks[c], drawn)
-                                     : windowed_sequence(mesh_, known[c], ranks[c], drawn, sequence);
+      result_.orders.orders[c] =
+          checkpointed(completion_, std::string("full-sequence-").append(std::to_string(c)), [&] {
+            const std::vector<std::uint8_t> drawn =
+                visible_nodes(full, cells_of_cluster(cluster_of, c), range_, options_.facing);
+            return refine.rounds == 0 || options_.cache_size == 0
+                       ? rank_sequence(ranks[c], drawn)
+                       : windowed_sequence(mesh_, known[c], ranks[c], drawn, sequence);
+          });
       advance_stage(options_.progress, 1);
     }
   }
@@ -421,6 +430,8 @@ class Orderer {
 
   const Mesh& mesh_;
   OrderOptions options_;
+  RunRecords records_;
+  RunRecords completion_;  // of what complete() does
   ValidRange range_{};
   Mesh simplified_, simpler_;   // of upsampling; of the search
   OrderProblem fine_, coarse_;  // coarse_ only if the search has a problem of its own
@@ -461,7 +472,7 @@ ValidRange solid_range(PartitionKind kind, const std::vector<double>& distances)
 }
 
 OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,
-                          double tolerance) {
+                          double tolerance, const RunRecords& records) {
   OrderProblem problem;
   problem.mesh = &mesh;
   problem.sphere = bounding_sphere(mesh);
@@ -480,16 +491,22 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
   const ValidRange solid = solid_range(partition.kind, options.distances);
   graph.solid_from = solid.from;
   graph.solid_to = solid.to;
+  graph.records = records;
   problem.graph = build_occlusion_graph(mesh, problem.sphere, problem.partition, graph);
   return problem;
 }
 
 OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) {
-  return Orderer(mesh, options).run();
+  check_options(mesh, options);
+  const RunRecords records(mesh, options);
+  OrderResult result = checkpointed(records, "result", [&] { return Orderer(mesh, options, records).run(); });
+  records.remove_others("result");
+  return result;
 }
 
 OrderFrontier order_frontier(const Mesh& mesh, const OrderOptions& options, bool with_result) {
-  return Orderer(mesh, options).frontier(with_result);
+  check_options(mesh, options);
+  return Orderer(mesh, options, RunRecords(mesh, options).part("frontier")).frontier(with_result);
 }
 
 }  // namespace pellucid

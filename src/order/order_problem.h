@@ -8,6 +8,7 @@
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
+#include "run_records.h"
 
 namespace pellucid {
 
@@ -19,7 +20,7 @@ struct OrderProblem {
 };
 
 OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,
-                          double tolerance);
+                          double tolerance, const RunRecords& records = {});
 
 // Camera distances for which orders sampled at `distances` are declared valid, in bounding radii.
 struct ValidRange {

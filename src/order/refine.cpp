@@ -101,6 +101,12 @@ class Refiner {
   std::vector<EdgeRows> run() {
     begin_stage(options_.progress, "refinement", (2 * options_.rounds + 1) * view_count());
     for (std::uint32_t round = 0; round < options_.rounds; ++round) {
+      const std::string name = std::string("round-").append(std::to_string(round));
+      if (auto known = recorded<std::vector<std::vector<std::uint32_t>>>(options_.records, name)) {
+        ranks_ = std::move(*known);
+        advance_stage(options_.progress, 2 * view_count());
+        continue;
+      }
       const std::vector<EdgeRows> wrong = collect([&](std::uint32_t cluster, NodeId front, NodeId back) {
         return ranks_[cluster][back] < ranks_[cluster][front];
       });
@@ -114,10 +120,18 @@ class Refiner {
         stop_if_requested(options_.progress);
         SiftOptions options;
         options.movable = movable[cluster];
+        options.progress = options_.progress;
         options.step = kStep;
         sift(net_wishes(known[cluster]), options, ranks_[cluster]);
       });
+      record(options_.records, name, ranks_);
     }
+    return checkpointed_clusters([&] { return binding_edges(); });
+  }
+
+ private:
+  // The edges that agree with the ranks and span less than a window of them.
+  std::vector<EdgeRows> binding_edges() {
     const std::uint32_t window = refine_window(node_count_);
     return collect([&](std::uint32_t cluster, NodeId front, NodeId back) {
       const std::uint32_t rank = ranks_[cluster][front];
@@ -125,7 +139,25 @@ class Refiner {
     });
   }
 
- private:
+  // One record a cluster: together they may be as large as all else.
+  template <class Make>
+  std::vector<EdgeRows> checkpointed_clusters(const Make& make) {
+    const auto name_of = [](std::size_t cluster) {
+      return std::string("edges-").append(std::to_string(cluster));
+    };
+    std::vector<EdgeRows> known;
+    while (known.size() < ranks_.size()) {
+      std::optional<EdgeRows> edges = recorded<EdgeRows>(options_.records, name_of(known.size()));
+      if (!edges) break;
+      known.push_back(std::move(*edges));
+    }
+    if (known.size() == ranks_.size()) return known;
+    known = make();
+    for (std::size_t cluster = 0; cluster < known.size(); ++cluster)
+      record(options_.records, name_of(cluster), known[cluster]);
+    return known;
+  }
+
   [[nodiscard]] std::size_t view_count() const { return partition_.samples.size() * distances_per_sample_; }
 
   static std::vector<std::uint8_t> nodes_of(const EdgeRows& edges) {

@@ -12,6 +12,7 @@
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
 #include "pellucid/view.h"
+#include "run_records.h"
 #include "sequence.h"
 
 namespace pellucid {
@@ -23,6 +24,7 @@ struct RefineOptions {
   double alpha = 0;  // OrderOptions::alpha
   bool front_only = false;
   Progress* progress = nullptr;
+  RunRecords records{};  // of every round
 };
 
 // Ranks, for a mesh of so many nodes: a sequence is rearranged for the vertex cache within runs of so many.

@@ -136,6 +136,7 @@ NodeSequence cache_aware_sequence(const Mesh& mesh, const EdgeRows& edges,
   const std::uint64_t triangles = mesh.triangles.size();
   const NodeSequence by_rank = rank_sequence(ranks, drawn);
   const auto constraints_of = [&](std::span<const std::uint32_t> order, float least) {
+    stop_if_requested(options.progress);
     return without_implied(agreeing_edges(edges, order, drawn, least), order, drawn);
   };
   // A method's sequence, or the rank order where that has fewer misses.
@@ -160,8 +161,8 @@ NodeSequence cache_aware_sequence(const Mesh& mesh, const EdgeRows& edges,
     const SequenceConstraints binding = constraints_of(
         first ? std::vector<std::uint32_t>(ranks.begin(), ranks.end()) : ranks_of(sequence, triangles),
         least);
-    NodeSequence trial =
-        gather_visits(mesh, binding, first ? first_sequence(binding) : sequence, options.cache_size);
+    NodeSequence trial = gather_visits(mesh, binding, first ? first_sequence(binding) : sequence,
+                                       options.cache_size, options.progress);
     used = violated_weight_of(edges, ranks_of(trial, triangles), drawn) - violated_by_ranks;
     if (used > options.slack) break;
     sequence = std::move(trial);
@@ -169,7 +170,7 @@ NodeSequence cache_aware_sequence(const Mesh& mesh, const EdgeRows& edges,
   }
   if (sequence.empty()) {
     const SequenceConstraints all = constraints_of(ranks, 0);
-    sequence = gather_visits(mesh, all, first_sequence(all), options.cache_size);
+    sequence = gather_visits(mesh, all, first_sequence(all), options.cache_size, options.progress);
   }
   return sequence;
 }

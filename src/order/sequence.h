@@ -49,6 +49,7 @@ struct SequenceOptions {
   float least_binding = 0;
   // scheduled: the weight that the sequence may violate beyond what the ranks do; 0: every constraint binds.
   double slack = 0;
+  const Progress* progress = nullptr;  // may stop it
 };
 
 // All nodes with drawn[node] != 0. Never more vertex-cache misses than the rank order.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -67,9 +66,9 @@ Contender order_set(const MeasureSubject& subject, std::uint32_t cache_size) {
 }
 
 Contender cache_optimized(const Mesh& mesh, std::uint32_t cache_size) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   std::vector<std::uint32_t> sequence = cache_optimized_sequence(mesh);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   Contender contender = single_sequence(mesh, "cache_optimized", std::move(sequence), cache_size);
   contender.report.build_seconds = seconds;
   return contender;

@@ -1,8 +1,7 @@
 // What `pellucid order` did, as a table and as JSON: see pellucid/report.h.
 #include <fmt/format.h>
 
-#include "json.h"
-#include "pellucid/report.h"
+#include "order_json.h"
 
 namespace pellucid {
 namespace {
@@ -131,7 +130,7 @@ std::string bounds_of(const PrimitiveOrderReport& primitive) {
 
 }  // namespace
 
-std::string to_json(const OrderReport& report) {
+Json json_of(const OrderReport& report) {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::uint64_t memory = 0;
@@ -164,41 +163,44 @@ std::string to_json(const OrderReport& report) {
   Json distances = Json::array();
   for (const double distance : report.distances) distances.push_back(json_distance(distance));
 
-  const Json json = {{"schema", kJsonSchema},
-                     {"version", library_version()},
-                     {"input", report.input},
-                     {"output", report.output},
-                     {"files", report.files},
-                     {"triangles", triangles},
-                     {"vertices", vertices},
-                     {"method", report.method},
-                     {"views", report.views},
-                     {"distances", std::move(distances)},
-                     {"cache", report.cache_size},
-                     {"cache_method", report.cache_method},
-                     {"alpha", report.alpha > 0 ? Json(report.alpha) : Json(nullptr)},
-                     {"picture_alpha", report.picture_alpha},
-                     {"seed", report.seed},
-                     {"buffer_count", buffers.size()},
-                     {"buffers", buffers},
-                     {"memory_bytes", memory},
-                     {"disk_bytes", report.disk_bytes},
-                     {"file_bytes", report.file_bytes},
-                     {"dropped_edges", {{"count", dropped}, {"weight", dropped_weight}}},
-                     {"cyclic_cells", cyclic_cells},
-                     {"seconds",
-                      {{"total", report.seconds_total},
-                       {"read", report.seconds_read},
-                       {"graph", stages.graph},
-                       {"cluster", stages.cluster},
-                       {"sequence", stages.sequence},
-                       {"refine", stages.refine},
-                       {"validate", report.seconds_validate},
-                       {"write", report.seconds_write}}},
-                     {"peak_rss_bytes", report.peak_rss_bytes},
-                     {"primitives", std::move(primitives)},
-                     {"notes", report.notes}};
-  return dump(json);
+  return {{"schema", kJsonSchema},
+          {"version", library_version()},
+          {"input", report.input},
+          {"output", report.output},
+          {"files", report.files},
+          {"triangles", triangles},
+          {"vertices", vertices},
+          {"method", report.method},
+          {"views", report.views},
+          {"distances", std::move(distances)},
+          {"cache", report.cache_size},
+          {"cache_method", report.cache_method},
+          {"alpha", report.alpha > 0 ? Json(report.alpha) : Json(nullptr)},
+          {"picture_alpha", report.picture_alpha},
+          {"seed", report.seed},
+          {"buffer_count", buffers.size()},
+          {"buffers", buffers},
+          {"memory_bytes", memory},
+          {"disk_bytes", report.disk_bytes},
+          {"file_bytes", report.file_bytes},
+          {"dropped_edges", {{"count", dropped}, {"weight", dropped_weight}}},
+          {"cyclic_cells", cyclic_cells},
+          {"seconds",
+           {{"total", report.seconds_total},
+            {"read", report.seconds_read},
+            {"graph", stages.graph},
+            {"cluster", stages.cluster},
+            {"sequence", stages.sequence},
+            {"refine", stages.refine},
+            {"validate", report.seconds_validate},
+            {"write", report.seconds_write}}},
+          {"peak_rss_bytes", report.peak_rss_bytes},
+          {"primitives", std::move(primitives)},
+          {"notes", report.notes}};
+}
+
+std::string to_json(const OrderReport& report) {
+  return dump(json_of(report));
 }
 
 std::string to_text(const OrderReport& report) {

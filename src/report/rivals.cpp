@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "contender.h"
 
@@ -15,16 +14,6 @@ constexpr std::size_t kSortedSequences = 16;
 std::span<const Viewpoint> sampled(std::span<const Viewpoint> viewpoints) {
   return viewpoints.first(std::min(viewpoints.size(), kSortedSequences));
 }
-
-class Stopwatch {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // The index buffer of a frame, in memory that is used again.
 struct FrameBuffer {

@@ -34,14 +34,18 @@ pid_t start(const Arguments& arguments, const std::string& out, const std::strin
   ::_exit(127);
 }
 
-Finished finish(pid_t child, const std::string& out, const std::string& err) {
-  int status = 0;
-  ::waitpid(child, &status, 0);
+Finished collect(int status, const std::string& out, const std::string& err) {
   Finished finished;
   finished.code = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   if (std::filesystem::is_regular_file(out)) finished.out = slurp(out);
   finished.err = slurp(err);
   return finished;
+}
+
+Finished finish(pid_t child, const std::string& out, const std::string& err) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return collect(status, out, err);
 }
 
 }  // namespace
@@ -59,6 +63,39 @@ Finished interrupt_pellucid(const Arguments& arguments, int signal, double ready
   std::this_thread::sleep_for(std::chrono::duration<double>(ready_after));
   ::kill(child, signal);
   return finish(child, folder.file("out"), folder.file("err"));
+}
+
+Finished signal_pellucid_when(const Arguments& arguments, int signal, const std::function<bool()>& ready) {
+  const TemporaryFolder folder;
+  const pid_t child = start(arguments, folder.file("out"), folder.file("err"));
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (ready()) {
+      ::kill(child, signal);
+      return finish(child, folder.file("out"), folder.file("err"));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return collect(status, folder.file("out"), folder.file("err"));
+}
+
+Finished run_on_terminal(const Arguments& arguments) {
+  const TemporaryFolder folder;
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) {
+    throw std::runtime_error("no pseudo terminal");
+  }
+  const pid_t child = start(arguments, folder.file("out"), ::ptsname(terminal));
+  std::string shown;
+  char buffer[4096];
+  // Reading fails once the child has closed its end.
+  for (ssize_t got = 0; (got = ::read(terminal, buffer, sizeof(buffer))) > 0;) {
+    shown.append(buffer, static_cast<std::size_t>(got));
+  }
+  Finished finished = finish(child, folder.file("out"), folder.file("err"));
+  ::close(terminal);
+  finished.err = shown;
+  return finished;
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -23,6 +24,12 @@ Finished run_pellucid(const Arguments& arguments, const std::string& stdout_to =
 
 // Start, send `signal` once `ready_after` seconds have passed, wait.
 Finished interrupt_pellucid(const Arguments& arguments, int signal, double ready_after);
+
+// Start, send `signal` as soon as `ready` says so, wait. It may finish before.
+Finished signal_pellucid_when(const Arguments& arguments, int signal, const std::function<bool()>& ready);
+
+// stderr is a terminal: `err` is all that was drawn on it.
+Finished run_on_terminal(const Arguments& arguments);
 
 // An empty folder that goes away with the object.
 class TemporaryFolder {

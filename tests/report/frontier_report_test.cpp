@@ -71,7 +71,8 @@ std::string first_violation(const json& value, const json& schema, const std::st
   for (const json& key : schema.value("required", json::array())) {
     if (!value.contains(key.get<std::string>())) return at + ": no " + key.get<std::string>();
   }
-  for (const auto& [key, below] : schema.value("properties", json::object()).items()) {
+  const json properties = schema.value("properties", json::object());
+  for (const auto& [key, below] : properties.items()) {
     if (!value.contains(key)) continue;
     const std::string wrong = first_violation(value[key], below, at + "." + key);
     if (!wrong.empty()) return wrong;

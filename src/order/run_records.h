@@ -87,9 +87,10 @@ void fields(Archive& archive, T& set) {
 template <class Archive, RecordOf<OrderStatistics> T>
 void fields(Archive& archive, T& s) {
   archive(s.triangles, s.viewpoints, s.edges_per_viewpoint, s.edges_total, s.intersecting_pairs,
-          s.cyclic_cells, s.dropped_edges, s.dropped_weight, s.violated_weight, s.clusters_before_relaxation,
-          s.iterations, s.measured_error, s.measured_psnr, s.seconds.graph, s.seconds.cluster,
-          s.seconds.sequence, s.seconds.refine, s.seconds.total, s.peak_rss_bytes);
+          s.cyclic_cells, s.dropped_edges, s.dropped_weight, s.violated_weight, s.violated_floor,
+          s.violated_bound, s.regions, s.switches_per_turn, s.clusters_before_relaxation,
+          s.clusters_lower_bound, s.iterations, s.measured_error, s.measured_psnr, s.seconds.graph,
+          s.seconds.cluster, s.seconds.sequence, s.seconds.refine, s.seconds.total, s.peak_rss_bytes);
 }
 
 template <class Archive, RecordOf<OrderResult> T>

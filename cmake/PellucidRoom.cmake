@@ -8,7 +8,7 @@ function(pellucid_room name)
   target_compile_features(pellucid_${name} PUBLIC cxx_std_20)
   target_include_directories(pellucid_${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(pellucid_${name}
     PUBLIC ${ROOM_USES}
     PRIVATE $<BUILD_INTERFACE:pellucid_defaults> ${ROOM_PRIVATE_USES})

@@ -5,13 +5,12 @@
 // its ends are where the neighbours cross the other too and need no further corner.
 #include "pellucid/split.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "base/parallel.h"
 #include "box_tree.h"
 #include "polygon_mesh.h"
 
@@ -111,7 +110,7 @@ std::vector<IntersectingPair> intersecting_pairs(const Mesh& mesh, double least,
   const std::uint32_t blocks = (count + kPerBlock - 1) / kPerBlock;
   std::vector<std::vector<IntersectingPair>> found(blocks);
   begin_stage(progress, "intersections", blocks);
-  tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
+  parallel_loop(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
     stop_if_requested(progress);
     PolygonHeights a;
     PolygonHeights b;

@@ -1,11 +1,11 @@
 // order_quality.cpp - IPR and PSNR of ways of drawing over many viewpoints (In-Depth Buffers, section 7).
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "pellucid/metric.h"
 
 namespace pellucid {
@@ -73,7 +73,7 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
 
   begin_stage(options.progress, "measure", viewpoints.size());
   tbb::enumerable_thread_specific<FragmentBuffer> buffers;
-  tbb::parallel_for(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
+  parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     stop_if_requested(options.progress);
     FragmentBuffer& buffer = buffers.local();
     const Camera camera = look_at_sphere(sphere, viewpoints[i], options.size, options.size);

@@ -1,10 +1,10 @@
 // overdraw.cpp - fragments shaded per covered pixel under an early depth test.
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "pellucid/metric.h"
 
 namespace pellucid {
@@ -35,7 +35,7 @@ OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint>
   const BoundingSphere sphere = bounding_sphere(mesh);
   std::vector<OverdrawStatistics> frames(viewpoints.size());
   tbb::enumerable_thread_specific<FragmentBuffer> buffers;
-  tbb::parallel_for(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
+  parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     FragmentBuffer& buffer = buffers.local();
     rasterize(mesh, look_at_sphere(sphere, viewpoints[i], size, size), {Culling::back}, buffer);
     // Isolated: parallel work in there must not begin another frame on this thread's buffer.

@@ -1,10 +1,10 @@
 // pictures.cpp - frames drawn in exact order, in a given order, and where the two differ in order.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "pellucid/metric.h"
 
 namespace pellucid {
@@ -33,7 +33,7 @@ Image shade(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragme
   const FragmentShader shader(mesh, camera, options);
   const Vec3d background = shader.background();
   Image image = blank(fragments);
-  tbb::parallel_for(std::uint32_t{0}, fragments.height, [&](std::uint32_t y) {
+  parallel_loop(std::uint32_t{0}, fragments.height, [&](std::uint32_t y) {
     std::vector<ShadedFragment> shaded;
     for (std::uint32_t x = 0; x < fragments.width; ++x) {
       const std::size_t p = std::size_t{y} * fragments.width + x;

@@ -4,13 +4,12 @@
 // again while both clusters only grow.
 #include "acyclic.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <map>
 #include <queue>
 #include <set>
 
+#include "base/parallel.h"
 #include "conflicts.h"
 #include "edge_set.h"
 #include "linear_order.h"
@@ -78,7 +77,7 @@ class AcyclicClustering {
     std::vector<std::uint64_t> dropped(count, 0);
     std::vector<double> dropped_weight(count, 0.0);
     begin_stage(options_.progress, "cells", count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t cell) {
+    parallel_loop(std::size_t{0}, count, [&](std::size_t cell) {
       stop_if_requested(options_.progress);
       cell_edges_[cell] = edges_of_cell(table_, graph_.cells[cell]);
       Cluster& cluster = clusters_[cell];
@@ -162,7 +161,7 @@ class AcyclicClustering {
 
   void push_candidates(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
     std::vector<double> priorities(pairs.size());
-    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+    parallel_loop(std::size_t{0}, pairs.size(), [&](std::size_t i) {
       priorities[i] = priority(clusters_[pairs[i].first].edges, clusters_[pairs[i].second].edges);
     });
     for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -7,11 +7,11 @@
 // nodes are looked for, heaviest edge first.
 #include "bounds.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <vector>
+
+#include "base/parallel.h"
 
 namespace pellucid {
 namespace {
@@ -130,7 +130,7 @@ double unavoidable_weight(const EdgeRows& edges, std::span<const std::uint32_t> 
 
 double unavoidable_in_cells(const OcclusionGraph& graph, const Clustering& clustering) {
   std::vector<double> bounds(graph.cells.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
+  parallel_loop(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
     bounds[cell] =
         unavoidable_weight(graph.cells[cell].expanded(), clustering.ranks[clustering.cluster_of[cell]]);
   });

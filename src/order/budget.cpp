@@ -1,12 +1,12 @@
 // Clustering by budget: see budget.h.
 #include "budget.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "base/parallel.h"
 
 namespace pellucid {
 namespace {
@@ -83,7 +83,7 @@ void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options,
   if (graph.spilled) {  // memory is short: one cluster's sum at a time
     for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) reorder(cluster);
   } else {
-    tbb::parallel_for(std::uint32_t{0}, clustering.cluster_count(), reorder);
+    parallel_loop(std::uint32_t{0}, clustering.cluster_count(), reorder);
   }
 }
 
@@ -154,7 +154,7 @@ std::vector<double> depth_keys(const Mesh& mesh, const BoundingSphere& sphere, c
   directions.reserve(cells.size());
   for (const std::uint32_t cell : cells) directions.push_back(cell_direction(partition, cell));
   const double scale = sphere.radius > 0 ? 1.0 / sphere.radius : 0.0;
-  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+  parallel_loop(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
     const Triangle& corners = mesh.triangles[t];
     Vec3d centroid{};
     for (const std::uint32_t v : corners) centroid += to_double(mesh.positions[v]) - sphere.center;
@@ -194,7 +194,7 @@ std::vector<double> violation_table(const OcclusionGraph& graph,
                                     const std::vector<std::vector<std::uint32_t>>& ranks) {
   const RankTable table = interleave(ranks);
   std::vector<double> costs(graph.cells.size() * ranks.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
+  parallel_loop(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
     add_violations(graph.cells[cell], table, &costs[cell * ranks.size()]);
   });
   return costs;

@@ -1,12 +1,11 @@
 // The fewest orders that meet an error: see budget_search.h.
 #include "budget_search.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "base/parallel.h"
 #include "upsample.h"
 #include "validation.h"
 
@@ -119,7 +118,7 @@ class BudgetSearch {
     begin_stage(options_.progress, std::string("trying ").append(std::to_string(count)).append(" orders"), 0);
     // A single order has no start to choose.
     std::vector<Clustering> trials(count == 1 ? 1 : kStarts);
-    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(trials.size()), [&](std::uint32_t trial) {
+    parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(trials.size()), [&](std::uint32_t trial) {
       stop_if_requested(options_.progress);
       const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition,
                                             count, options_.seed * 1000 + trial);

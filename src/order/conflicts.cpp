@@ -1,10 +1,10 @@
 // Which cells cannot share an order: see conflicts.h.
 #include "conflicts.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
+
+#include "base/parallel.h"
 
 namespace pellucid {
 namespace {
@@ -35,7 +35,7 @@ std::vector<Directions> directions_of(const EdgeTable& table, std::span<const Ed
   }
   const std::size_t words = (pairs.size() + 63) / 64;
   std::vector<Directions> directions(cells.size());
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t cell) {
+  parallel_loop(std::size_t{0}, cells.size(), [&](std::size_t cell) {
     directions[cell] = {BitSet(words, 0), BitSet(words, 0)};
     for (const std::uint32_t id : cells[cell].ids) {
       const std::uint32_t reverse = table.reverse[id];
@@ -76,7 +76,7 @@ std::vector<std::uint32_t> greedy_clique(const std::vector<BitSet>& rivals, std:
 std::vector<std::uint32_t> contradicting_cells(const EdgeTable& table, std::span<const EdgeSet> cells) {
   const std::vector<Directions> directions = directions_of(table, cells);
   std::vector<BitSet> rivals(cells.size(), BitSet((cells.size() + 63) / 64, 0));
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t cell) {
+  parallel_loop(std::size_t{0}, cells.size(), [&](std::size_t cell) {
     for (std::size_t other = 0; other < cells.size(); ++other) {
       if (intersect(directions[cell].forward, directions[other].backward) ||
           intersect(directions[cell].backward, directions[other].forward)) {
@@ -85,7 +85,7 @@ std::vector<std::uint32_t> contradicting_cells(const EdgeTable& table, std::span
     }
   });
   std::vector<std::vector<std::uint32_t>> cliques(cells.size());
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t cell) {
+  parallel_loop(std::size_t{0}, cells.size(), [&](std::size_t cell) {
     cliques[cell] = greedy_clique(rivals, static_cast<std::uint32_t>(cell));
   });
   const auto largest = std::max_element(cliques.begin(), cliques.end(),

@@ -1,12 +1,11 @@
 // Unweighted edge sets of view cells and clusters of them: see edge_set.h.
 #include "edge_set.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <numeric>
+
+#include "base/parallel.h"
 
 namespace pellucid {
 namespace {
@@ -83,7 +82,7 @@ EdgeTable make_edge_table(const OcclusionGraph& graph) {
   constexpr std::uint32_t kRowsPerBlock = 1024;
   std::vector<std::vector<NodeId>> rows(graph.node_count);
   const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
-  tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
+  parallel_loop(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
     const NodeId begin = block * kRowsPerBlock;
     const NodeId end = std::min(begin + kRowsPerBlock, graph.node_count);
     std::vector<RowBlock> cells;
@@ -108,7 +107,7 @@ EdgeTable make_edge_table(const OcclusionGraph& graph) {
   table.backs.reserve(table.row_ids.back());
   for (const std::vector<NodeId>& row : rows) table.backs.insert(table.backs.end(), row.begin(), row.end());
   table.reverse.resize(table.backs.size());
-  tbb::parallel_for(std::uint32_t{0}, graph.node_count, [&](NodeId front) {
+  parallel_loop(std::uint32_t{0}, graph.node_count, [&](NodeId front) {
     for (std::uint32_t id = table.row_ids[front]; id < table.row_ids[front + 1]; ++id) {
       const auto begin = table.backs.begin() + table.row_ids[table.backs[id]];
       const auto end = table.backs.begin() + table.row_ids[table.backs[id] + 1];

@@ -1,9 +1,7 @@
 // The occlusion graph of every view cell: see occlusion_graph.h.
 #include "occlusion_graph.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "base/parallel.h"
 #include "region_edges.h"
 #include "viewpoint_edges.h"
 
@@ -87,7 +86,7 @@ class GraphBuilder {
         advance_stage(options_.progress, count_views(views));
       } else {
         find_missing(views, batch);
-        tbb::parallel_for(begin, end, [&](std::uint32_t cell) {
+        parallel_loop(begin, end, [&](std::uint32_t cell) {
           unite_cell(cell, graph.cells[cell], weights[cell], pruned[cell]);
         });
         record(options_.records, name, batch);
@@ -125,7 +124,7 @@ class GraphBuilder {
 
   void find_missing(std::vector<std::size_t> views, BatchEdges& batch) {
     std::erase_if(views, [&](std::size_t view) { return !views_[view].offsets.empty(); });
-    tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    parallel_loop(std::size_t{0}, views.size(), [&](std::size_t i) {
       stop_if_requested(options_.progress);
       find_view(views[i]);
       if (counted_[views[i]] == 0) advance_stage(options_.progress, 1);
@@ -270,7 +269,7 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
   std::vector<EdgeRows> parts(blocks);
   tbb::enumerable_thread_specific<RowAccumulator> accumulators(
       [&] { return RowAccumulator(graph.node_count); });
-  tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
+  parallel_loop(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
     RowAccumulator& accumulator = accumulators.local();
     const NodeId begin = block * kRowsPerBlock;
     const NodeId end = std::min(begin + kRowsPerBlock, graph.node_count);

@@ -1,5 +1,4 @@
 // From a mesh to its in-depth buffers: see pellucid/order.h.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "acyclic.h"
+#include "base/parallel.h"
 #include "base_sequence.h"
 #include "bounds.h"
 #include "budget_search.h"
@@ -75,19 +75,18 @@ std::vector<std::uint8_t> visible_nodes(const OrderProblem& problem, const std::
                                         const ValidRange& range, Facing facing) {
   const Mesh& mesh = *problem.mesh;
   std::vector<std::uint8_t> drawn(2 * mesh.triangles.size(), 0);
-  tbb::parallel_for(
-      std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()), [&](std::uint32_t t) {
-        const Vec3d normal = triangle_normal(mesh, t);
-        const double offset =
-            dot(normal, to_double(mesh.positions[mesh.triangles[t][0]]) - problem.sphere.center);
-        const auto seen = [&](const Vec3d& n, double o) {
-          return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
-            return front_visible(problem.partition, cell, n, o, problem.sphere.radius, range.from, range.to);
-          });
-        };
-        drawn[node_of(t, false)] = seen(normal, offset) ? 1 : 0;
-        if (facing == Facing::duplicated) drawn[node_of(t, true)] = seen(-normal, -offset) ? 1 : 0;
+  parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()), [&](std::uint32_t t) {
+    const Vec3d normal = triangle_normal(mesh, t);
+    const double offset =
+        dot(normal, to_double(mesh.positions[mesh.triangles[t][0]]) - problem.sphere.center);
+    const auto seen = [&](const Vec3d& n, double o) {
+      return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
+        return front_visible(problem.partition, cell, n, o, problem.sphere.radius, range.from, range.to);
       });
+    };
+    drawn[node_of(t, false)] = seen(normal, offset) ? 1 : 0;
+    if (facing == Facing::duplicated) drawn[node_of(t, true)] = seen(-normal, -offset) ? 1 : 0;
+  });
   return drawn;
 }
 
@@ -321,7 +320,7 @@ class Orderer {
         problem.graph.spilled ? clustering.cluster_count()
                               : (clustering.cluster_count() + kSequencesAtOnce - 1) / kSequencesAtOnce;
     const tbb::blocked_range<std::uint32_t> clusters(0, clustering.cluster_count(), at_once);
-    tbb::parallel_for(
+    parallel_loop(
         clusters,
         [&](const tbb::blocked_range<std::uint32_t>& some) {
           for (std::uint32_t c = some.begin(); c < some.end(); ++c) {

@@ -10,12 +10,12 @@
 //   - copies: nodes are split where a sifted order contradicts an occlusion, by the plane that bounds the
 //     occlusion and leaves least contradicted; a copy may need several planes.
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "budget.h"
 #include "order_problem.h"
 #include "pellucid/order.h"
@@ -126,7 +126,7 @@ class ListBuilder {
       pointers.push_back(&views[i]);
       problem.eyes.push_back(eye_of(sphere_, viewpoint_of(samples[i])));
     }
-    tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+    parallel_loop(std::size_t{0}, samples.size(), [&](std::size_t i) {
       stop_if_requested(options_.progress);
       if (edges > options_.max_edges) return;
       find_edges_exactly(scene_, viewpoint_of(samples[i]), scratch_.local(), views[i]);
@@ -144,22 +144,20 @@ class ListBuilder {
   [[nodiscard]] std::vector<std::uint8_t> visible_nodes(const std::vector<std::uint32_t>& cells) const {
     const ValidRange range = valid_range(options_.partition.kind, distances_);
     std::vector<std::uint8_t> visible(2 * mesh_.triangles.size(), 0);
-    tbb::parallel_for(
-        std::uint32_t{0}, static_cast<std::uint32_t>(mesh_.triangles.size()), [&](std::uint32_t t) {
-          const Vec3d normal = triangle_normal(mesh_, t);
-          const double offset =
-              dot(normal, to_double(mesh_.positions[mesh_.triangles[t][0]]) - sphere_.center);
-          for (const std::uint32_t cell : cells) {
-            const auto sees = [&](double sign) {
-              return front_visible(partition_, cell, normal * sign, sign * offset, sphere_.radius, range.from,
-                                   range.to);
-            };
-            if (visible[node_of(t, false)] == 0 && sees(1)) visible[node_of(t, false)] = 1;
-            if (options_.facing == Facing::duplicated && visible[node_of(t, true)] == 0 && sees(-1)) {
-              visible[node_of(t, true)] = 1;
-            }
-          }
-        });
+    parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(mesh_.triangles.size()), [&](std::uint32_t t) {
+      const Vec3d normal = triangle_normal(mesh_, t);
+      const double offset = dot(normal, to_double(mesh_.positions[mesh_.triangles[t][0]]) - sphere_.center);
+      for (const std::uint32_t cell : cells) {
+        const auto sees = [&](double sign) {
+          return front_visible(partition_, cell, normal * sign, sign * offset, sphere_.radius, range.from,
+                               range.to);
+        };
+        if (visible[node_of(t, false)] == 0 && sees(1)) visible[node_of(t, false)] = 1;
+        if (options_.facing == Facing::duplicated && visible[node_of(t, true)] == 0 && sees(-1)) {
+          visible[node_of(t, true)] = 1;
+        }
+      }
+    });
     return visible;
   }
 

@@ -1,14 +1,13 @@
 // One depth-presorted list: see presorted_region.h.
 #include "presorted_region.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
+#include "base/parallel.h"
 #include "linear_order.h"
 #include "sequence.h"
 
@@ -139,7 +138,7 @@ class RegionPresorter {
   [[nodiscard]] EdgeRows copy_edges() const {
     constexpr std::size_t kRowsPerBlock = 512;
     std::vector<EdgeRows> parts((copies_.size() + kRowsPerBlock - 1) / kRowsPerBlock);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t block) {
+    parallel_loop(std::size_t{0}, parts.size(), [&](std::size_t block) {
       const std::size_t end = std::min((block + 1) * kRowsPerBlock, copies_.size());
       for (std::size_t copy = block * kRowsPerBlock; copy < end; ++copy)
         append_row(copies_[copy], parts[block]);
@@ -215,8 +214,7 @@ class RegionPresorter {
   // Find the best plane of every chosen copy, with all others where they are, then make the splits that help.
   void split_copies(std::span<const std::uint32_t> chosen) {
     std::vector<std::optional<Split>> splits(chosen.size());
-    tbb::parallel_for(std::size_t{0}, chosen.size(),
-                      [&](std::size_t i) { splits[i] = best_split(chosen[i]); });
+    parallel_loop(std::size_t{0}, chosen.size(), [&](std::size_t i) { splits[i] = best_split(chosen[i]); });
     std::vector<double> positions(ranks_.begin(), ranks_.end());
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       if (splits[i]) {
@@ -446,7 +444,7 @@ RegionEdges collect_edges(std::span<const ViewpointEdges* const> views, std::siz
   constexpr std::size_t kRowsPerBlock = 512;
   const std::size_t node_count = 2 * triangle_count;
   std::vector<RegionEdges> parts((node_count + kRowsPerBlock - 1) / kRowsPerBlock);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t block) {
+  parallel_loop(std::size_t{0}, parts.size(), [&](std::size_t block) {
     RegionEdges& part = parts[block];
     std::vector<std::pair<NodeId, std::uint16_t>> row;
     const std::size_t end = std::min((block + 1) * kRowsPerBlock, node_count);

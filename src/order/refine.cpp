@@ -2,7 +2,6 @@
 #include "refine.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "base/parallel.h"
 #include "linear_order.h"
 #include "sequence.h"
 #include "viewpoint_edges.h"
@@ -116,7 +116,7 @@ class Refiner {
       const std::vector<EdgeRows> known = collect([&](std::uint32_t cluster, NodeId front, NodeId back) {
         return movable[cluster][front] != 0 || movable[cluster][back] != 0;
       });
-      tbb::parallel_for(std::size_t{0}, ranks_.size(), [&](std::size_t cluster) {
+      parallel_loop(std::size_t{0}, ranks_.size(), [&](std::size_t cluster) {
         stop_if_requested(options_.progress);
         SiftOptions options;
         options.movable = movable[cluster];
@@ -176,7 +176,7 @@ class Refiner {
     for (std::size_t begin = 0; begin < view_count(); begin += kViewsPerBatch) {
       const std::size_t end = std::min(begin + kViewsPerBatch, view_count());
       std::vector<std::vector<std::vector<SeenEdge>>> seen(end - begin);  // view, cluster
-      tbb::parallel_for(begin, end, [&](std::size_t view) {
+      parallel_loop(begin, end, [&](std::size_t view) {
         stop_if_requested(options_.progress);
         seen[view - begin] = look(view, wanted);
         advance_stage(options_.progress, 1);
@@ -313,7 +313,7 @@ NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::spa
   const std::size_t window = refine_window(ranks.size());
   const std::size_t runs = (by_rank.size() + window - 1) / window;
   NodeSequence sequence(by_rank.size());
-  tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
+  parallel_loop(std::size_t{0}, runs, [&](std::size_t run) {
     const std::size_t begin = run * window;
     const std::size_t end = std::min(begin + window, by_rank.size());
     const NodeSequence sorted =

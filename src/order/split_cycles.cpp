@@ -3,12 +3,12 @@
 // Cutting cannot make a viewpoint cyclic: an edge between pieces is an edge between their triangles, and
 // pieces of one triangle do not overlap. So a viewpoint without cycles needs no second look.
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
 #include <optional>
 
+#include "base/parallel.h"
 #include "pellucid/cycles.h"
 #include "strong_components.h"
 #include "viewpoint_edges.h"
@@ -114,7 +114,7 @@ class CycleSplitter {
     std::vector<std::vector<TriangleCut>> cuts(cyclic.size());
     std::vector<std::uint8_t> has_cycles(cyclic.size(), 0);
     tbb::enumerable_thread_specific<Local> locals;
-    tbb::parallel_for(std::size_t{0}, cyclic.size(), [&](std::size_t i) {
+    parallel_loop(std::size_t{0}, cyclic.size(), [&](std::size_t i) {
       stop_if_requested(options_.progress);
       Local& local = locals.local();
       const Viewpoint& viewpoint = viewpoints_[cyclic[i]];

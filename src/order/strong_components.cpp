@@ -1,10 +1,10 @@
 // Cycles of directed graphs: see strong_components.h.
 #include "strong_components.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <limits>
+
+#include "base/parallel.h"
 
 namespace pellucid {
 
@@ -77,7 +77,7 @@ std::vector<std::uint32_t> strong_components(std::span<const std::uint32_t> offs
 
 std::uint32_t count_cyclic_cells(const OcclusionGraph& graph) {
   std::vector<std::uint8_t> cyclic(graph.cells.size(), 0);
-  tbb::parallel_for(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
+  parallel_loop(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
     const EdgeRows rows = graph.cells[cell].expanded();
     cyclic[cell] = has_cycle(rows.offsets, rows.backs) ? 1 : 0;
   });

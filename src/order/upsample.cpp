@@ -2,12 +2,13 @@
 #include "upsample.h"
 
 #include <embree3/rtcore.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+
+#include "base/parallel.h"
 
 namespace pellucid {
 namespace {
@@ -107,24 +108,22 @@ std::vector<NodeId> nearest_coarse_nodes(const Mesh& fine, const Mesh& coarse) {
   const Scene scene = build_scene(device.get(), coarse);
   const std::vector<Vec3d> coarse_normals = normals_of(coarse);
   std::vector<NodeId> nodes(2 * fine.triangles.size());
-  tbb::parallel_for(
-      std::uint32_t{0}, static_cast<std::uint32_t>(fine.triangles.size()), [&](std::uint32_t t) {
-        const Triangle& corners = fine.triangles[t];
-        const Vec3d centroid =
-            (to_double(fine.positions[corners[0]]) + to_double(fine.positions[corners[1]]) +
-             to_double(fine.positions[corners[2]])) /
-            3.0;
-        const Vec3f p = to_float(centroid);
-        Query query{coarse, coarse_normals, centroid, triangle_normal(fine, t)};
-        RTCPointQuery point_query{p.x, p.y, p.z, 0.0F, std::numeric_limits<float>::infinity()};
-        RTCPointQueryContext context;
-        rtcInitPointQueryContext(&context);
-        rtcPointQuery(scene.get(), &point_query, &context, visit_triangle, &query);
-        const std::uint32_t nearest = query.triangle < coarse.triangles.size() ? query.triangle : 0;
-        const bool turned = dot(query.normal, coarse_normals[nearest]) < 0;
-        nodes[2 * t] = node_of(nearest, turned);
-        nodes[2 * t + 1] = node_of(nearest, !turned);
-      });
+  parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(fine.triangles.size()), [&](std::uint32_t t) {
+    const Triangle& corners = fine.triangles[t];
+    const Vec3d centroid = (to_double(fine.positions[corners[0]]) + to_double(fine.positions[corners[1]]) +
+                            to_double(fine.positions[corners[2]])) /
+                           3.0;
+    const Vec3f p = to_float(centroid);
+    Query query{coarse, coarse_normals, centroid, triangle_normal(fine, t)};
+    RTCPointQuery point_query{p.x, p.y, p.z, 0.0F, std::numeric_limits<float>::infinity()};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene.get(), &point_query, &context, visit_triangle, &query);
+    const std::uint32_t nearest = query.triangle < coarse.triangles.size() ? query.triangle : 0;
+    const bool turned = dot(query.normal, coarse_normals[nearest]) < 0;
+    nodes[2 * t] = node_of(nearest, turned);
+    nodes[2 * t + 1] = node_of(nearest, !turned);
+  });
   return nodes;
 }
 

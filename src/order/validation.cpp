@@ -2,11 +2,11 @@
 #include "validation.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "pellucid/raster.h"
 #include "pellucid/shading.h"
 
@@ -46,7 +46,7 @@ PictureError measure_picture_error(const Mesh& mesh, const BoundingSphere& spher
 
   std::vector<FrameError> frames(viewpoints.size());
   tbb::enumerable_thread_specific<FragmentBuffer> buffers;
-  tbb::parallel_for(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
+  parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     stop_if_requested(options.progress);
     FragmentBuffer& fragments = buffers.local();
     RasterOptions raster;

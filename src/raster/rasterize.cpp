@@ -1,11 +1,10 @@
 // rasterize.cpp - the way from a mesh to its fragments: project, cover, list.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "base/parallel.h"
 #include "fragment_lists.h"
 #include "pellucid/raster.h"
 #include "projection.h"
@@ -53,12 +52,11 @@ RasterMemory& memory_of(FragmentBuffer& out) {
 
 void project_all(const raster::Projection& projection, const Mesh& mesh, RasterMemory& memory) {
   memory.vertices.resize(mesh.positions.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), kVerticesPerTask),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      raster::project(projection,
-                                      std::span(mesh.positions).subspan(range.begin(), range.size()),
-                                      std::span(memory.vertices).subspan(range.begin(), range.size()));
-                    });
+  parallel_loop(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), kVerticesPerTask),
+                [&](const tbb::blocked_range<std::size_t>& range) {
+                  raster::project(projection, std::span(mesh.positions).subspan(range.begin(), range.size()),
+                                  std::span(memory.vertices).subspan(range.begin(), range.size()));
+                });
 }
 
 void make_spans(const raster::Projection& projection, const Mesh& mesh, const Bands& bands, Culling culling,
@@ -67,7 +65,7 @@ void make_spans(const raster::Projection& projection, const Mesh& mesh, const Ba
   const auto workers = static_cast<std::size_t>(std::max(tbb::this_task_arena::max_concurrency(), 1));
   const std::size_t count = std::clamp<std::size_t>(triangles / kMinTrianglesPerPart, 1, 4 * workers);
   memory.parts.resize(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t part) {
+  parallel_loop(std::size_t{0}, count, [&](std::size_t part) {
     memory.parts[part].reset(bands);
     raster::SpanMaker maker(projection, culling, memory.parts[part]);
     maker.add(mesh, memory.vertices, triangles * part / count, triangles * (part + 1) / count);
@@ -82,13 +80,13 @@ void make_lists(const Bands& bands, std::span<const BandedSpans> parts, Fragment
   out.offsets.resize(std::size_t{bands.width} * bands.height + 1);
   out.offsets.back() = first.back();
   out.fragments.resize(first.back());
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, bands.count),
-                    [&](const tbb::blocked_range<std::uint32_t>& range) {
-                      std::vector<std::int32_t> counters;
-                      for (std::uint32_t band = range.begin(); band != range.end(); ++band) {
-                        raster::fill_band(bands, band, parts, first[band], counters, out);
-                      }
-                    });
+  parallel_loop(tbb::blocked_range<std::uint32_t>(0, bands.count),
+                [&](const tbb::blocked_range<std::uint32_t>& range) {
+                  std::vector<std::int32_t> counters;
+                  for (std::uint32_t band = range.begin(); band != range.end(); ++band) {
+                    raster::fill_band(bands, band, parts, first[band], counters, out);
+                  }
+                });
 }
 
 }  // namespace

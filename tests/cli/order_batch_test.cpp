@@ -28,7 +28,7 @@ struct Library {
     quad = in.file("quad.obj");
     broken = in.file("broken.ply");
     empty = in.file("empty.obj");
-    run_pellucid({"sample", "goblet", "-o", goblet, "--detail", "0.002"});
+    run_pellucid({"sample", "goblet", "-o", goblet, "--detail", "0.01"});
     spill(quad, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\nf 2 3 5\n");
     spill(broken, "ply\nformat ascii 1.0\nelement vertex 3\n");
     spill(empty, "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
@@ -40,7 +40,7 @@ struct Library {
 TEST(OrderBatch, WritesWhatSingleRunsWrite) {
   const Library library;
   const std::string gltf = library.in.file("small.gltf");
-  ASSERT_EQ(run_pellucid({"sample", "goblet", "-o", gltf, "--detail", "0.002"}).code, 0);
+  ASSERT_EQ(run_pellucid({"sample", "goblet", "-o", gltf, "--detail", "0.01"}).code, 0);
   const Arguments inputs{library.goblet, gltf, library.quad};
   const std::vector<const char*> names{"goblet.glb", "small.gltf", "quad.glb"};
   for (std::size_t i = 0; i < inputs.size(); ++i) {

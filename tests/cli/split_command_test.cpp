@@ -11,8 +11,9 @@ std::string crossing_boards() {
   std::string text;
   for (int board = 0; board < 2; ++board) {
     for (int i = 0; i < 9; ++i) {
+      const int row = i / 3;
       const double u = i % 3 - 1.0;
-      const double v = i / 3 - 1.0 + 0.13 * board;
+      const double v = row - 1.0 + 0.13 * board;
       text += "v " + std::to_string(u) + ' ' + std::to_string(board == 0 ? v : 0.21) + ' ' +
               std::to_string(board == 0 ? 0.07 : v) + '\n';
     }

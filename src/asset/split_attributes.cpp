@@ -151,6 +151,7 @@ class SkinMixer {
       }
     }
     std::vector<Influence> influences;
+    influences.reserve(sums.size());
     for (const auto& [joint, weight] : sums) influences.push_back({joint, weight});
     return influences;
   }

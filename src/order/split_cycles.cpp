@@ -134,6 +134,7 @@ class CycleSplitter {
     }
     cyclic = std::move(still_cyclic);
     std::vector<TriangleCut> all;
+    all.reserve(chosen.size());
     for (const auto& [triangle, by] : chosen) all.push_back({triangle, by});
     return all;
   }

@@ -469,7 +469,7 @@ TEST(BadArguments, AreRefusedBeforeAnythingIsWritten) {
                            const std::string& name = "a.glb") {
     OrderedPrimitive entry{0, good, {}};
     damage(entry);
-    const std::string message =
+    std::string message =
         error_of([&] { write_model(model, {entry}, folder / name); }, ErrorKind::bad_argument);
     EXPECT_FALSE(fs::exists(folder / name));
     return message;

@@ -132,9 +132,9 @@ Samples::Samples() : plain(folder.file("goblet.glb")), ordered(folder.file("orde
 }
 
 const Samples& samples() {
-  static const Samples made;
-  EXPECT_EQ(made.problems, "");
-  return made;
+  static const Samples kMade;
+  EXPECT_EQ(kMade.problems, "");
+  return kMade;
 }
 
 std::string slurp(const std::string& path) {

@@ -22,4 +22,6 @@ target_compile_options(pellucid_defaults INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wconversion -Wsign-conversion -Wnon-virtual-dtor -Wold-style-cast>
   $<$<BOOL:${PELLUCID_WARNINGS_AS_ERRORS}>:-Werror>
   # No fused multiply-add behind our back: the same bytes on every x86-64 machine.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # So that ccache sees through precompiled headers.
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)

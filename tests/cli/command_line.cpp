@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,9 +18,16 @@
 namespace pellucid::testing {
 namespace {
 
-pid_t start(const Arguments& arguments, const std::string& out, const std::string& err) {
+pid_t start(const Arguments& arguments, const std::string& out, const std::string& err,
+            rlim_t largest_file = RLIM_INFINITY) {
   const pid_t child = ::fork();
   if (child != 0) return child;
+  if (largest_file != RLIM_INFINITY) {
+    // Writing beyond the limit fails, as on a full disk, instead of ending the program.
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{largest_file, largest_file};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
   const int out_file = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600);
   const int err_file = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
   ::dup2(out_file, STDOUT_FILENO);
@@ -55,6 +63,13 @@ Finished run_pellucid(const Arguments& arguments, const std::string& stdout_to) 
   const std::string out = stdout_to.empty() ? folder.file("out") : stdout_to;
   const std::string err = folder.file("err");
   return finish(start(arguments, out, err), out, err);
+}
+
+Finished run_pellucid_on_full_disk(const Arguments& arguments, std::size_t bytes) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out");
+  const std::string err = folder.file("err");
+  return finish(start(arguments, out, err, bytes), out, err);
 }
 
 Finished interrupt_pellucid(const Arguments& arguments, int signal, double ready_after) {

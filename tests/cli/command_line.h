@@ -22,6 +22,9 @@ struct Finished {
 // stdout.
 Finished run_pellucid(const Arguments& arguments, const std::string& stdout_to = "");
 
+// On a disk that takes no more than `bytes` of a file.
+Finished run_pellucid_on_full_disk(const Arguments& arguments, std::size_t bytes);
+
 // Start, send `signal` once `ready_after` seconds have passed, wait.
 Finished interrupt_pellucid(const Arguments& arguments, int signal, double ready_after);
 

@@ -156,6 +156,37 @@ TEST(LongRuns, AFolderThatCannotBeWrittenIsOneLine) {
   }
 }
 
+// Records, the model, the frontier, the statistics and --memory's temporary file, each on a disk that is
+// full.
+TEST(LongRuns, AFullDiskIsOneLineAndLeavesNothing) {
+  const Arguments order = joined({"order", knot()}, kBudget);
+  struct Case {
+    Arguments more;  // file names: in a folder of their own
+    std::size_t bytes;
+    std::string named;
+  };
+  const std::vector<Case> cases{{{"-o", "out.glb", "--checkpoint", "records"}, 8192, "records"},
+                                {{"-o", "out.glb"}, 4096, "out.glb"},
+                                {{"--frontier", "curve.svg", "--max-buffers", "2"}, 512, "curve.svg"},
+                                {{"-o", "out.glb", "--memory", "1MB"}, 8192, "temporary file"}};
+  for (const Case& full : cases) {
+    SCOPED_TRACE(full.named);
+    const TemporaryFolder folder;
+    Arguments command = order;
+    if (full.more[0] == "--frontier") command.resize(command.size() - 4);  // takes no --buffers
+    for (const std::string& word : full.more) {
+      const bool name = word.find('.') != std::string::npos || word == "records";
+      command.push_back(name ? folder.file(word) : word);
+    }
+    const Finished done = run_pellucid_on_full_disk(command, full.bytes);
+    EXPECT_EQ(done.code, 1) << done.err;
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+    EXPECT_NE(done.err.find(full.named), std::string::npos) << done.err;
+    EXPECT_NE(done.err.find("cannot write"), std::string::npos) << done.err;
+    EXPECT_TRUE(folder.files().empty());
+  }
+}
+
 TEST(LongRuns, ATerminalSeesEveryStage) {
   const TemporaryFolder folder;
   const auto expect_stages = [](const Arguments& command, const std::vector<std::string>& stages) {

@@ -1,3 +1,6 @@
+# For scripts/sanitize --short: rooms that are linked but not tested there, built in a hurry and without sanitizers.
+set(PELLUCID_PLAIN_ROOMS "" CACHE STRING "Rooms built without sanitizers and optimisation")
+
 # pellucid_room(<name> SOURCES ... USES <rooms or targets> PRIVATE_USES ...)
 # One static library `pellucid_<name>`, alias `pellucid::<name>`, for the room src/<name>.
 function(pellucid_room name)
@@ -12,12 +15,15 @@ function(pellucid_room name)
   target_link_libraries(pellucid_${name}
     PUBLIC ${ROOM_USES}
     PRIVATE $<BUILD_INTERFACE:pellucid_defaults> ${ROOM_PRIVATE_USES})
+  if(name IN_LIST PELLUCID_PLAIN_ROOMS)
+    target_compile_options(pellucid_${name} PRIVATE -O0 -fno-sanitize=all)
+  endif()
   set_property(GLOBAL APPEND PROPERTY PELLUCID_ROOMS pellucid_${name})
 endfunction()
 
 # pellucid_test(<name> SOURCES ... USES ...): one GoogleTest program `<name>_test`.
-# A quarter of a build was GoogleTest's headers and another the optimisation of code that runs once: the headers are
-# compiled once, for the first program, and the tests' own code has -O1.
+# A quarter of a build was GoogleTest and JSON headers and another the optimisation of code that runs once: the headers are
+# compiled once, for the first program, and the tests' own code has -O1, under sanitizers -O0.
 # Its tests may read files through PELLUCID_TEST_DATA (tests/data) and PELLUCID_MODELS
 # (the optional folder of dev models; a test that needs it skips, and says so, where it is missing).
 function(pellucid_test name)
@@ -29,13 +35,13 @@ function(pellucid_test name)
     PELLUCID_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
     PELLUCID_MODELS="${PELLUCID_MODELS}")
   # GCC 12 sees strings overflow that do not, depending on the length of the path in the macros below.
-  target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release>:-O1>
+  target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:RelWithDebInfo>:-O0>
     $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
   get_property(compiled_headers GLOBAL PROPERTY PELLUCID_TEST_HEADERS)
   if(compiled_headers)
     target_precompile_headers(${name}_test REUSE_FROM ${compiled_headers})
   else()
-    target_precompile_headers(${name}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
+    target_precompile_headers(${name}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
     set_property(GLOBAL PROPERTY PELLUCID_TEST_HEADERS ${name}_test)
   endif()
   gtest_discover_tests(${name}_test PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)

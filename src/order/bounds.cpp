@@ -18,7 +18,10 @@ namespace {
 
 // The lightest violated edges, this share of the violated weight together, are not looked at: most of the
 // edges, hardly any bound.
-constexpr double kNegligible = 0.01;
+constexpr double kNegligible = 0.1;
+// Cycles of four are looked for until this many edges have been followed for each edge that there is: dense
+// graphs have more paths of two steps than one has time for.
+constexpr std::uint64_t kStepsPerEdge = 8;
 
 class CyclePacking {
  public:
@@ -84,6 +87,8 @@ class CyclePacking {
       if (marks_[next] != kNoEdgeTo) pack<3>({closing.index, step, marks_[next]});
     });
     for_each_step(first, first, last, closing, [&](NodeId next, std::uint32_t step) {
+      if (steps_ >= kStepsPerEdge * edges_.backs.size()) return;
+      steps_ += edges_.offsets[next + 1] - edges_.offsets[next];
       for_each_step(next, first, last, closing, [&](NodeId after, std::uint32_t second) {
         if (marks_[after] != kNoEdgeTo) pack<4>({closing.index, step, second, marks_[after]});
       });
@@ -119,6 +124,7 @@ class CyclePacking {
   std::vector<Edge> violated_;
   std::vector<std::vector<Edge>> incoming_;
   std::vector<std::uint32_t> marks_;  // per node: its edge to the front node of the violated edge
+  std::uint64_t steps_ = 0;           // second ones of paths
   double packed_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "pair_search.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 
@@ -27,12 +28,13 @@ namespace pellucid {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "each_lane.h"
+
 // Append the overlapping pairs of one grid cell that are this cell's to report.
 void pairs_in_cell(const CellEntries& cell, std::vector<CandidatePair>& pairs) {
   constexpr hn::ScalableTag<float> kFloats;
   constexpr hn::RebindToSigned<decltype(kFloats)> kInts;
   const std::size_t lanes = hn::Lanes(kFloats);
-  HWY_ALIGN std::int32_t found[hn::MaxLanes(kInts)];
   const auto both_begin = hn::Set(kInts, 3);
   for (std::size_t i = 0; i + 1 < cell.count; ++i) {
     const auto min_x = hn::Set(kFloats, cell.min_x[i]);
@@ -50,10 +52,10 @@ void pairs_in_cell(const CellEntries& cell, std::vector<CandidatePair>& pairs) {
       const auto ours = hn::Eq(hn::Or(begins, hn::LoadU(kInts, cell.begins + j)), both_begin);
       const auto mask = hn::And(hn::And(hn::RebindMask(kInts, hn::And(in_cell, overlap_x)), ours),
                                 hn::RebindMask(kInts, overlap_y));
-      const std::size_t count = hn::CompressStore(hn::LoadU(kInts, cell.index + j), mask, kInts, found);
-      for (std::size_t k = 0; k < count; ++k) {
-        pairs.push_back({static_cast<std::uint32_t>(cell.index[i]), static_cast<std::uint32_t>(found[k])});
-      }
+      for_each_lane(kInts, mask, [&](std::size_t lane) {
+        pairs.push_back(
+            {static_cast<std::uint32_t>(cell.index[i]), static_cast<std::uint32_t>(cell.index[j + lane])});
+      });
     }
   }
 }

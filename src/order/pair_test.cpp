@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 
 #undef HWY_TARGET_INCLUDE
@@ -15,6 +16,7 @@ namespace pellucid {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "each_lane.h"
 #include "pair_test_kernel.h"
 
 constexpr hn::ScalableTag<float> kFloats;
@@ -60,13 +62,12 @@ void append_edges(VectorLanes::M mask, Ints front, Ints back, VectorLanes::V are
   HWY_ALIGN std::int32_t fronts[hn::MaxLanes(kInts)];
   HWY_ALIGN std::int32_t backs[hn::MaxLanes(kInts)];
   HWY_ALIGN float areas[hn::MaxLanes(kFloats)];
-  const auto int_mask = hn::RebindMask(kInts, mask);
-  const std::size_t count = hn::CompressStore(front, int_mask, kInts, fronts);
-  hn::CompressStore(back, int_mask, kInts, backs);
-  hn::CompressStore(area, mask, kFloats, areas);
-  for (std::size_t i = 0; i < count; ++i) {
+  hn::Store(front, kInts, fronts);
+  hn::Store(back, kInts, backs);
+  hn::Store(area, kFloats, areas);
+  for_each_lane(kFloats, mask, [&](std::size_t i) {
     edges.push_back({static_cast<std::uint32_t>(fronts[i]), static_cast<std::uint32_t>(backs[i]), areas[i]});
-  }
+  });
 }
 
 void test_pairs(const ScreenTriangles& screen, std::span<const CandidatePair> pairs, float tolerance,
@@ -108,13 +109,7 @@ void test_pairs(const ScreenTriangles& screen, std::span<const CandidatePair> pa
                  hn::IfThenElse(int_front, b_index, a_index), verdict.area, edges);
 
     const auto unsure = hn::And(used, verdict.doubtful);
-    if (!hn::AllFalse(kFloats, unsure)) {
-      HWY_ALIGN float flags[hn::MaxLanes(kFloats)];
-      hn::Store(hn::IfThenElse(unsure, hn::Set(kFloats, 1.0F), hn::Zero(kFloats)), kFloats, flags);
-      for (std::size_t i = 0; i < count; ++i) {
-        if (flags[i] != 0.0F) doubtful.push_back(pairs[begin + i]);
-      }
-    }
+    for_each_lane(kFloats, unsure, [&](std::size_t i) { doubtful.push_back(pairs[begin + i]); });
   }
 }
 

@@ -7,10 +7,13 @@
 #include <map>
 #include <utility>
 
+#include "meshes.h"
 #include "pellucid/mesh.h"
 
 namespace pellucid {
 namespace {
+
+using testing::volume;
 
 std::uint64_t total_triangles(const std::vector<SamplePart>& parts) {
   std::uint64_t count = 0;
@@ -20,15 +23,6 @@ std::uint64_t total_triangles(const std::vector<SamplePart>& parts) {
 
 bool claims_closed(const std::string& sample, const SamplePart& part) {
   return sample != "coplanar-stack" && part.name.find("label") == std::string::npos;
-}
-
-double volume(const Mesh& mesh) {
-  double six_volumes = 0;
-  for (const Triangle& t : mesh.triangles) {
-    six_volumes += dot(to_double(mesh.positions[t[0]]),
-                       cross(to_double(mesh.positions[t[1]]), to_double(mesh.positions[t[2]])));
-  }
-  return six_volumes / 6;
 }
 
 // Crossings of a line with a mesh: parameter along the line, +1 where it leaves (front seen from behind).
@@ -51,7 +45,7 @@ std::vector<std::pair<double, int>> crossings(const Mesh& mesh, const Vec3d& ori
   return result;
 }
 
-class EverySample : public testing::TestWithParam<std::string> {};
+class EverySample : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EverySample, HasTheSizeItPromises) {
   const std::uint64_t count = total_triangles(make_sample(GetParam()));
@@ -129,16 +123,16 @@ std::vector<std::string> sample_names() {
   for (const SampleInfo& info : sample_list()) names.push_back(info.name);
   return names;
 }
-std::string test_name(const testing::TestParamInfo<std::string>& sample) {
+std::string test_name(const ::testing::TestParamInfo<std::string>& sample) {
   std::string name = sample.param;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
-INSTANTIATE_TEST_SUITE_P(Samples, EverySample, testing::ValuesIn(sample_names()), test_name);
+INSTANTIATE_TEST_SUITE_P(Samples, EverySample, ::testing::ValuesIn(sample_names()), test_name);
 
 TEST(Samples, AreTheOnesOfTheContract) {
   EXPECT_THAT(sample_names(),
-              testing::ElementsAre("goblet", "torus-knot", "nested-shells", "coplanar-stack", "bottles"));
+              ::testing::ElementsAre("goblet", "torus-knot", "nested-shells", "coplanar-stack", "bottles"));
 }
 
 TEST(Samples, GobletHasAWallWithTwoSides) {

@@ -3,19 +3,13 @@
 
 #include <limits>
 
+#include "meshes.h"
 #include "pellucid/mesh.h"
 
 namespace pellucid {
 namespace {
 
-double volume(const Mesh& mesh) {
-  double six_volumes = 0;
-  for (const Triangle& t : mesh.triangles) {
-    six_volumes += dot(to_double(mesh.positions[t[0]]),
-                       cross(to_double(mesh.positions[t[1]]), to_double(mesh.positions[t[2]])));
-  }
-  return six_volumes / 6;
-}
+using testing::volume;
 
 TEST(Simplify, ReachesTheTargetAndKeepsTheShape) {
   const Mesh knot = make_sample("torus-knot").front().mesh;

@@ -7,17 +7,16 @@
 #include <map>
 #include <set>
 
+#include "meshes.h"
 #include "pellucid/raster.h"
 #include "pellucid/view.h"
 
 namespace pellucid {
 namespace {
 
-void append(Mesh& mesh, const Mesh& part) {
-  const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-  for (const Triangle& t : part.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-}
+using testing::append;
+using testing::icosphere_mesh;
+using testing::random_soup;
 
 // Two triangles; b - a and d - a are its sides.
 Mesh quad(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
@@ -27,30 +26,6 @@ Mesh quad(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
 Mesh crossing_quads() {
   Mesh mesh = quad({-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
   append(mesh, quad({-1, 0.1F, -1}, {1, 0.1F, -1}, {1, 0.1F, 1}, {-1, 0.1F, 1}));
-  return mesh;
-}
-
-Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed) {
-  Random random(seed);
-  Mesh mesh;
-  for (std::size_t i = 0; i < triangles; ++i) {
-    const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
-    const Vec3d middle{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-    for (int k = 0; k < 3; ++k) {
-      mesh.positions.push_back(
-          to_float(middle + Vec3d{random.uniform(-size, size), random.uniform(-size, size),
-                                  random.uniform(-size, size)}));
-    }
-    mesh.triangles.push_back({corner, corner + 1, corner + 2});
-  }
-  return mesh;
-}
-
-Mesh sphere_mesh(std::uint32_t level, double radius, const Vec3d& center) {
-  const Icosphere sphere = make_icosphere(level);
-  Mesh mesh;
-  for (const Vec3d& v : sphere.vertices) mesh.positions.push_back(to_float(center + v * radius));
-  for (const auto& t : sphere.triangles) mesh.triangles.push_back(t);
   return mesh;
 }
 
@@ -83,7 +58,7 @@ Mesh cube_mesh(int cells, float half) {
 
 Mesh cube_through_sphere() {
   Mesh mesh = cube_mesh(4, 0.75F);
-  append(mesh, sphere_mesh(2, 1, {0.02, 0.03, 0.05}));
+  append(mesh, icosphere_mesh(2, 1, {0.02, 0.03, 0.05}));
   return mesh;
 }
 

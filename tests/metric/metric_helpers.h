@@ -30,18 +30,6 @@ inline Camera front_camera(std::uint32_t size) {
   return front_camera(size, size);
 }
 
-inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed) {
-  Random random(seed);
-  Mesh mesh;
-  for (std::size_t i = 0; i < triangles; ++i) {
-    const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
-    const Vec3d middle = random.direction() * random.uniform(0.0, 0.7);
-    for (int k = 0; k < 3; ++k) mesh.positions.push_back(to_float(middle + random.direction() * size));
-    mesh.triangles.push_back({corner, corner + 1, corner + 2});
-  }
-  return mesh;
-}
-
 // Both facings of every triangle, in file order.
 inline NodeSequence file_order(const Mesh& mesh) {
   NodeSequence nodes(2 * mesh.triangles.size());

@@ -52,7 +52,7 @@ TEST(FrameErrorOf, CountsTheWrongPixelsOfTwoQuads) {
 }
 
 TEST(FrameErrorOf, SquaredErrorIsThatOfThePictures) {
-  const Mesh mesh = random_soup(80, 0.4, 8);
+  const Mesh mesh = random_soup(80, 0.4, 8, 0.5);
   const Camera camera = look_at_sphere(bounding_sphere(mesh), {{0, 0, 1}, 3}, 80, 80);
   const FragmentBuffer fragments = fragments_of(mesh, camera);
   std::vector<std::uint32_t> ranks = ranks_of(testing::file_order(mesh), mesh.triangles.size());
@@ -101,7 +101,7 @@ TEST(OrderQuality, ExactOrderHasNoErrorAndReversedOrderMuch) {
 }
 
 TEST(OrderQuality, MeansAndBinsFollowFromTheFrames) {
-  const Mesh mesh = random_soup(100, 0.4, 2);
+  const Mesh mesh = random_soup(100, 0.4, 2, 0.5);
   std::vector<std::uint32_t> ranks = ranks_of(testing::file_order(mesh), mesh.triangles.size());
   MeasureOptions options = small_measure();
   options.viewpoints = 40;
@@ -150,7 +150,7 @@ TEST(OrderQuality, PsnrOfAKnownDifference) {
 }
 
 TEST(OrderQuality, SingleFacingIgnoresBackFaces) {
-  const Mesh mesh = random_soup(60, 0.4, 12);
+  const Mesh mesh = random_soup(60, 0.4, 12, 0.5);
   // Ranks for front facings only: with both facings drawn, back faces would be missing.
   const BoundingSphere sphere = bounding_sphere(mesh);
   const std::vector<DrawingMethod> fronts{{"fronts", [&](const Viewpoint& v) {
@@ -167,7 +167,7 @@ TEST(OrderQuality, SingleFacingIgnoresBackFaces) {
 }
 
 TEST(OrderQuality, SameNumbersForAnyNumberOfThreads) {
-  const Mesh mesh = random_soup(200, 0.3, 6);
+  const Mesh mesh = random_soup(200, 0.3, 6, 0.5);
   std::vector<std::uint32_t> ranks = ranks_of(testing::file_order(mesh), mesh.triangles.size());
   const std::vector<DrawingMethod> methods{{"file", [&](const Viewpoint&) { return ranks; }}};
   const auto measure = [&](unsigned threads) {

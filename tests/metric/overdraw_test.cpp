@@ -57,7 +57,7 @@ TEST(Overdraw, TwoQuadsByHand) {
 }
 
 TEST(Overdraw, EqualsADepthBuffer) {
-  Mesh mesh = random_soup(60, 0.3, 5);
+  Mesh mesh = random_soup(250, 0.3, 5, 0.5);
   // Exact duplicates: equal depths must fail a strict test.
   for (std::size_t i = 0; i < 10; ++i) mesh.triangles.push_back(mesh.triangles[i]);
   const std::vector<Viewpoint> viewpoints = random_viewpoints(3, 2, 5, 9);

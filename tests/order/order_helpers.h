@@ -9,42 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "meshes.h"
 #include "occlusion_graph.h"
 #include "pellucid/mesh.h"
 #include "pellucid/order.h"
 
 namespace pellucid::testing {
-
-inline void append(Mesh& mesh, const Mesh& part) {
-  const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-  for (const Triangle& t : part.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-}
-
-// Triangles with middles uniform in [-1, 1]^3 and corners up to `size` from them.
-inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed) {
-  Random random(seed);
-  const auto offset = [&](double extent) {
-    return Vec3d{random.uniform(-extent, extent), random.uniform(-extent, extent),
-                 random.uniform(-extent, extent)};
-  };
-  Mesh mesh;
-  for (std::size_t i = 0; i < triangles; ++i) {
-    const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
-    const Vec3d middle = offset(1);
-    for (int k = 0; k < 3; ++k) mesh.positions.push_back(to_float(middle + offset(size)));
-    mesh.triangles.push_back({corner, corner + 1, corner + 2});
-  }
-  return mesh;
-}
-
-inline Mesh icosphere_mesh(std::uint32_t level, double radius = 1, const Vec3d& center = {}) {
-  const Icosphere sphere = make_icosphere(level);
-  Mesh mesh;
-  for (const Vec3d& v : sphere.vertices) mesh.positions.push_back(to_float(center + v * radius));
-  for (const auto& t : sphere.triangles) mesh.triangles.push_back(t);
-  return mesh;
-}
 
 // Two shells, one inside the other: every view sees four layers.
 inline Mesh nested_spheres(std::uint32_t level) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "meshes.h"
 #include "pellucid/raster.h"
 
 namespace pellucid::testing {
@@ -23,24 +24,6 @@ inline Camera front_camera(std::uint32_t width, std::uint32_t height) {
   camera.width = width;
   camera.height = height;
   return camera;
-}
-
-// Triangles with corners uniform in [-extent, extent]^3.
-inline Mesh random_soup(std::size_t triangles, double extent, double size, std::uint64_t seed) {
-  Random random(seed);
-  Mesh mesh;
-  for (std::size_t i = 0; i < triangles; ++i) {
-    const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
-    const Vec3d middle{random.uniform(-extent, extent), random.uniform(-extent, extent),
-                       random.uniform(-extent, extent)};
-    for (int k = 0; k < 3; ++k) {
-      mesh.positions.push_back(
-          to_float(middle + Vec3d{random.uniform(-size, size), random.uniform(-size, size),
-                                  random.uniform(-size, size)}));
-    }
-    mesh.triangles.push_back({corner, corner + 1, corner + 2});
-  }
-  return mesh;
 }
 
 // Closed and wrinkled: a sphere whose radius varies, `segments` by 2 `segments` quads.

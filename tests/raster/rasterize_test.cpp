@@ -147,14 +147,14 @@ TEST(Rasterize, OneTriangleByHand) {
 TEST(Rasterize, RandomSoupsEqualBruteForce) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const double size = seed % 2 == 0 ? 0.1 : 0.6;
-    const Mesh mesh = random_soup(150, 0.4, size / std::sqrt(3.0) * 0.9, seed);
+    const Mesh mesh = random_soup(150, size / std::sqrt(3.0) * 0.9, seed, 0.4);
     Random random(seed);
     expect_equals_brute_force(
         mesh, perspective_camera(random.direction(), 2.0 + 0.5 * static_cast<double>(seed), 61));
     expect_equals_brute_force(mesh, perspective_camera(random.direction(), kInfiniteDistance, 48));
   }
   // Larger than what the 32-bit kernel takes.
-  expect_equals_brute_force(random_soup(12, 0.3, 0.4, 99), perspective_camera({1, 2, 3}, 3, 300));
+  expect_equals_brute_force(random_soup(12, 0.4, 99, 0.3), perspective_camera({1, 2, 3}, 3, 300));
 }
 
 // Put the vertices of a square grid at random, without turning any triangle over.
@@ -262,7 +262,7 @@ TEST(Rasterize, NearAndFarPlanesCutWhereTheySay) {
 }
 
 TEST(Rasterize, BackCullingKeepsExactlyTheFrontFragments) {
-  const Mesh mesh = random_soup(300, 0.5, 0.3, 21);
+  const Mesh mesh = random_soup(300, 0.3, 21, 0.5);
   const Camera camera = perspective_camera({1, -1, 0.5}, 2.5, 96);
   const FragmentBuffer all = fragments_of(mesh, camera);
   const FragmentBuffer culled = fragments_of(mesh, camera, Culling::back);
@@ -279,7 +279,7 @@ TEST(Rasterize, BackCullingKeepsExactlyTheFrontFragments) {
 }
 
 TEST(Rasterize, SameBytesForAnyNumberOfThreadsAndReusedBuffers) {
-  const Mesh mesh = random_soup(40000, 0.8, 0.03, 33);
+  const Mesh mesh = random_soup(40000, 0.03, 33, 0.8);
   const Camera camera = perspective_camera({0.2, 0.9, 0.4}, 2.2, 333);
   FragmentBuffer reference;
   {
@@ -308,7 +308,7 @@ TEST(Rasterize, CopiesOfABufferDoNotShareMemory) {
 }
 
 TEST(Rasterize, TrianglesOfADifferentOrderGiveTheSamePicture) {
-  Mesh mesh = random_soup(500, 0.5, 0.3, 77);
+  Mesh mesh = random_soup(500, 0.3, 77, 0.5);
   const Camera camera = perspective_camera({1, 1, 1}, 3, 80);
   const FragmentBuffer before = fragments_of(mesh, camera);
   std::reverse(mesh.triangles.begin(), mesh.triangles.end());

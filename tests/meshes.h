@@ -1,0 +1,51 @@
+// Small meshes that the tests of several rooms use.
+#pragma once
+
+#include <cstdint>
+
+#include "pellucid/mesh.h"
+#include "pellucid/view.h"
+
+namespace pellucid::testing {
+
+inline void append(Mesh& mesh, const Mesh& part) {
+  const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  for (const Triangle& t : part.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+}
+
+// Triangles with middles uniform in [-extent, extent]^3 and corners up to `size` from them along each axis.
+inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed, double extent = 1) {
+  Random random(seed);
+  const auto offset = [&](double most) {
+    return Vec3d{random.uniform(-most, most), random.uniform(-most, most), random.uniform(-most, most)};
+  };
+  Mesh mesh;
+  for (std::size_t i = 0; i < triangles; ++i) {
+    const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
+    const Vec3d middle = offset(extent);
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(to_float(middle + offset(size)));
+    mesh.triangles.push_back({corner, corner + 1, corner + 2});
+  }
+  return mesh;
+}
+
+inline Mesh icosphere_mesh(std::uint32_t level, double radius = 1, const Vec3d& center = {}) {
+  const Icosphere sphere = make_icosphere(level);
+  Mesh mesh;
+  for (const Vec3d& v : sphere.vertices) mesh.positions.push_back(to_float(center + v * radius));
+  for (const auto& t : sphere.triangles) mesh.triangles.push_back(t);
+  return mesh;
+}
+
+// Of a closed mesh whose fronts look outwards.
+inline double volume(const Mesh& mesh) {
+  double six_volumes = 0;
+  for (const Triangle& t : mesh.triangles) {
+    six_volumes += dot(to_double(mesh.positions[t[0]]),
+                       cross(to_double(mesh.positions[t[1]]), to_double(mesh.positions[t[2]])));
+  }
+  return six_volumes / 6;
+}
+
+}  // namespace pellucid::testing

@@ -34,7 +34,7 @@ function(pellucid_test name)
   target_compile_definitions(${name}_test PRIVATE
     PELLUCID_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
     PELLUCID_MODELS="${PELLUCID_MODELS}")
-  # GCC 12 sees strings overflow that do not, depending on the length of the path in the macros below.
+  # GCC 12 sees strings overflow that do not, depending on the length of the path in the macros above.
   target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:RelWithDebInfo>:-O0>
     $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
   get_property(compiled_headers GLOBAL PROPERTY PELLUCID_TEST_HEADERS)

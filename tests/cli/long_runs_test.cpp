@@ -156,8 +156,7 @@ TEST(LongRuns, AFolderThatCannotBeWrittenIsOneLine) {
   }
 }
 
-// Records, the model, the frontier, the statistics and --memory's temporary file, each on a disk that is
-// full.
+// Records, the model, the frontier and --memory's temporary file, each on a disk that is full.
 TEST(LongRuns, AFullDiskIsOneLineAndLeavesNothing) {
   const Arguments order = joined({"order", knot()}, kBudget);
   struct Case {

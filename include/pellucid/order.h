@@ -54,9 +54,26 @@ enum class Facing {
 // Nodes front to back; every node at most once; every node that the cells of this order can see is in it.
 using NodeSequence = std::vector<NodeId>;
 
+// What an order set is for, and so what it promises.
+enum class OrderPurpose {
+  transparency,  // depth order: blending is right from every view of the cell
+  overdraw,      // opaque faces: few fragments are shaded in vain; any order draws the right picture
+};
+
+// Which order draws an animated mesh: overdraw orders after Han, Sander, "Triangle Reordering for Efficient
+// Rendering in Complex Scenes", JCGT 6(3), 2017, section 3.3.
+struct KeyFrameTable {
+  std::uint32_t animation = 0;    // glTF: animations[animation]
+  std::vector<double> times;      // seconds, strictly increasing; the nearest one counts
+  // Of the whole posed model at that time, in the space of its scene: directions are relative to it.
+  std::vector<BoundingSphere> spheres;
+  std::vector<std::uint32_t> cell_orders;  // times x cells, row by row: index into OrderSet::orders
+};
+
 struct OrderSet {
+  OrderPurpose purpose = OrderPurpose::transparency;
   PartitionSpec partition;
-  BoundingSphere sphere;  // of the mesh: viewpoints are relative to it
+  BoundingSphere sphere;  // of the mesh (overdraw: of the model at rest): viewpoints are relative to it
   double valid_from = 0;  // the orders hold for cameras at valid_from .. valid_to bounding radii
   double valid_to = kInfiniteDistance;
   Facing facing = Facing::duplicated;
@@ -64,8 +81,17 @@ struct OrderSet {
   std::vector<std::uint32_t> cell_orders;  // one per view cell: index into orders
   // The best single sequence for all views, each triangle exactly once, as stored (never flipped), BACK TO
   // FRONT: what a viewer without the order extension blends correctly most often, and what is drawn outside
-  // the valid range.
+  // the valid range. Overdraw: the single order with the least overdraw over all views, as it is drawn.
   std::vector<std::uint32_t> base_sequence;
+
+  // Overdraw only. Patch p is the triangles base_sequence[patch_offsets[p] .. patch_offsets[p + 1]); every
+  // order is a permutation of whole patches. Empty: every triangle is a patch.
+  std::vector<std::uint32_t> patch_offsets;
+  // Overdraw only, one per order: the place of this mesh among the meshes of its model when that order is
+  // drawn. Empty: the meshes may be drawn in any sequence.
+  std::vector<std::uint32_t> model_ranks;
+  // Overdraw only: while one of these animations plays. cell_orders is for the model at rest.
+  std::vector<KeyFrameTable> animations;
 };
 
 struct StageSeconds {

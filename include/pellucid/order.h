@@ -63,8 +63,8 @@ enum class OrderPurpose {
 // Which order draws an animated mesh: overdraw orders after Han, Sander, "Triangle Reordering for Efficient
 // Rendering in Complex Scenes", JCGT 6(3), 2017, section 3.3.
 struct KeyFrameTable {
-  std::uint32_t animation = 0;    // glTF: animations[animation]
-  std::vector<double> times;      // seconds, strictly increasing; the nearest one counts
+  std::uint32_t animation = 0;  // glTF: animations[animation]
+  std::vector<double> times;    // seconds, strictly increasing; the nearest one counts
   // Of the whole posed model at that time, in the space of its scene: directions are relative to it.
   std::vector<BoundingSphere> spheres;
   std::vector<std::uint32_t> cell_orders;  // times x cells, row by row: index into OrderSet::orders
@@ -234,6 +234,17 @@ OrderFrontier order_frontier(const Mesh& mesh, const OrderOptions& options, bool
 // O(level) for S[n,m]; P[n] rebuilds its vertices, O(cells): programs that ask every frame use select.h
 // itself.
 std::uint32_t select_order(const OrderSet& set, const Vec3d& direction);
+
+// The key frame nearest to a time (seconds), the earlier of two; NaN: the first. An animation that loops is
+// the caller's. O(log times).
+std::size_t nearest_key_frame(const KeyFrameTable& table, double time);
+// Index of the order that draws the mesh at a key frame of set.animations[animation] from a direction
+// relative to the sphere of that key frame: also for orthographic cameras.
+std::uint32_t select_order(const OrderSet& set, std::size_t animation, std::size_t key_frame,
+                           const Vec3d& direction);
+// The same at a time of the animation for an eye in the space of the scene, at any distance: the answer of
+// pellucid_select_animated.
+std::uint32_t select_order_at(const OrderSet& set, std::size_t animation, double time, const Vec3d& eye);
 
 // rank[node] = position in the sequence, kNoRank for nodes that it does not hold. Size 2 * triangles.
 constexpr std::uint32_t kNoRank = std::numeric_limits<std::uint32_t>::max();

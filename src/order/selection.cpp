@@ -5,13 +5,40 @@
 #include "pellucid/runtime/select.h"
 
 namespace pellucid {
+namespace {
+
+std::uint32_t cell_of(const PartitionSpec& spec, const Vec3d& direction) {
+  if (!has_triangle_cells(spec)) return find_cell(make_partition(spec), direction);
+  const double d[3] = {direction.x, direction.y, direction.z};
+  return pellucid_find_triangle(spec.level, d);
+}
+
+}  // namespace
 
 std::uint32_t select_order(const OrderSet& set, const Vec3d& direction) {
-  if (has_triangle_cells(set.partition)) {
-    const double d[3] = {direction.x, direction.y, direction.z};
-    return set.cell_orders[pellucid_find_triangle(set.partition.level, d)];
-  }
-  return set.cell_orders[find_cell(make_partition(set.partition), direction)];
+  return set.cell_orders[cell_of(set.partition, direction)];
+}
+
+std::size_t nearest_key_frame(const KeyFrameTable& table, double time) {
+  const std::vector<double>& times = table.times;
+  if (times.empty() || !(time > times.front())) return 0;
+  const auto after =
+      static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
+  if (after == times.size()) return after - 1;
+  return time - times[after - 1] <= times[after] - time ? after - 1 : after;
+}
+
+std::uint32_t select_order(const OrderSet& set, std::size_t animation, std::size_t key_frame,
+                           const Vec3d& direction) {
+  const KeyFrameTable& table = set.animations[animation];
+  const std::size_t cells = table.cell_orders.size() / table.times.size();
+  return table.cell_orders[key_frame * cells + cell_of(set.partition, direction)];
+}
+
+std::uint32_t select_order_at(const OrderSet& set, std::size_t animation, double time, const Vec3d& eye) {
+  const KeyFrameTable& table = set.animations[animation];
+  const std::size_t key_frame = nearest_key_frame(table, time);
+  return select_order(set, animation, key_frame, eye - table.spheres[key_frame].center);
 }
 
 std::vector<std::uint32_t> ranks_of(std::span<const NodeId> sequence, std::uint64_t triangle_count) {

@@ -4,8 +4,10 @@
  * In: the fields of a primitive's PELLUCID_mesh_primitive_view_orders extension, the node's world matrix and
  * the camera. Out: the index of the order to draw. Copy it into any renderer.
  *
- * Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 6. Differs in: besides
- * the (theta, phi) table there is a direct descent of the icosphere, which needs no memory.
+ * Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 6, and for animations
+ * Han, Sander, "Triangle Reordering for Efficient Rendering in Complex Scenes", JCGT 6(3), 2017, section 3.3.
+ * Differs in: besides the (theta, phi) table there is a direct descent of the icosphere, which needs no
+ * memory.
  *
  *   PellucidOrders orders = {0};
  *   orders.cells = pellucid_cells_triangles;      orders.level = 2;
@@ -15,6 +17,11 @@
  *   orders.fallback_order = PELLUCID_NO_ORDER;
  *   uint32_t order = pellucid_select_perspective(&orders, node_world_matrix, camera_position);
  *   if (order == PELLUCID_NO_ORDER) draw(primitive.indices); else draw(orders[order]);
+ *
+ * Orders of purpose "overdraw", while an animation plays (examples/select_animated.c):
+ *
+ *   PellucidKeyframes walk = {times, spheres, count, cell_orders, 1};     (accessors of one of `keyframes`)
+ *   draw(orders[pellucid_select_animated(&orders, &walk, time, model_world_matrix, camera_position)]);
  *
  * THE NUMBERING (normative for the file format)
  *   Base vertices and faces: the two tables below; faces are counter-clockwise seen from outside.
@@ -431,6 +438,92 @@ static inline uint32_t pellucid_select_orthographic(const PellucidOrders* orders
                                                     const double forward[3]) {
   const PellucidView view = pellucid_orthographic_view(world, forward);
   return pellucid_select_order(orders, &view);
+}
+
+/* ------------------------------------------------------------------------------- overdraw orders in motion
+ *
+ * Orders of purpose "overdraw" are drawn with a depth test, so any of them draws the right picture anywhere:
+ * the functions below always name one, they know no fallback. minDistance and maxDistance say for which
+ * cameras the orders were made; nearer and farther ones use the table all the same. Where there is no
+ * direction (singular matrix, camera at the centre, NaN) the order is that of cell 0.
+ *
+ * Spheres and directions are in the space of the file's scene, for all primitives of a model alike: select
+ * once for a whole model, or once per primitive, with the same result as far as their tables are the same. */
+
+/* One element of `keyframes`: what its accessors hold, all little-endian and aligned. */
+typedef struct PellucidKeyframes {
+  const float* times;        /* seconds, strictly increasing: count */
+  const float* spheres;      /* centre x y z and radius of the posed model: 4 * count */
+  uint32_t count;            /* 0: no animation plays, the model is at rest */
+  const void* cell_orders;   /* count rows, each laid out as PellucidOrders::cell_orders */
+  uint32_t cell_order_bytes; /* 1, 2 or 4 */
+} PellucidKeyframes;
+
+/* The key frame nearest to `time` (seconds), the earlier of two that are equally near. O(log count). Before
+ * the first and after the last these two; NaN: 0. An animation that loops is the caller's: pass
+ * fmod(time, duration). */
+static inline uint32_t pellucid_nearest_keyframe(const PellucidKeyframes* keyframes, double time) {
+  /* times[low] <= time < times[high], as far as these exist. */
+  uint32_t low = 0, high = keyframes->count;
+  if (high == 0 || !(time > PELLUCID_RUNTIME_CAST(double, keyframes->times[0]))) return 0;
+  while (high - low > 1) {
+    const uint32_t middle = low + (high - low) / 2;
+    if (PELLUCID_RUNTIME_CAST(double, keyframes->times[middle]) <= time)
+      low = middle;
+    else
+      high = middle;
+  }
+  if (high == keyframes->count) return low;
+  return time - PELLUCID_RUNTIME_CAST(double, keyframes->times[low]) <=
+                 PELLUCID_RUNTIME_CAST(double, keyframes->times[high]) - time
+             ? low
+             : high;
+}
+
+/* Entries of one row of cell_orders. */
+static inline uint32_t pellucid_cell_count(const PellucidOrders* orders) {
+  return pellucid_triangle_count(orders->level) * (orders->cells == pellucid_cells_corners ? 3u : 1u);
+}
+
+/* The orders as they are at a time of an animation: sphere and table of the nearest key frame. `keyframes`
+ * null or of count 0: those of the model at rest. Valid at all distances. */
+static inline PellucidOrders pellucid_orders_at(const PellucidOrders* orders,
+                                                const PellucidKeyframes* keyframes, double time) {
+  PellucidOrders at = *orders;
+  at.min_distance = 0;
+  at.max_distance = HUGE_VAL;
+  if (keyframes && keyframes->count > 0) {
+    const uint32_t frame = pellucid_nearest_keyframe(keyframes, time);
+    const float* sphere = keyframes->spheres + PELLUCID_RUNTIME_CAST(uint64_t, frame) * 4;
+    const uint64_t row =
+        PELLUCID_RUNTIME_CAST(uint64_t, frame) * pellucid_cell_count(orders) * keyframes->cell_order_bytes;
+    int i;
+    for (i = 0; i < 3; ++i) at.center[i] = PELLUCID_RUNTIME_CAST(double, sphere[i]);
+    at.radius = PELLUCID_RUNTIME_CAST(double, sphere[3]);
+    at.cell_orders = PELLUCID_RUNTIME_CAST(const uint8_t*, keyframes->cell_orders) + row;
+    at.cell_order_bytes = keyframes->cell_order_bytes;
+  }
+  return at;
+}
+
+/* A perspective camera at `camera` (world space). `model_world` takes the file's scene into the world; it is
+ * not the matrix of a node, which an animation may move. */
+static inline uint32_t pellucid_select_animated(const PellucidOrders* orders,
+                                                const PellucidKeyframes* keyframes, double time,
+                                                const double model_world[16], const double camera[3]) {
+  const PellucidOrders at = pellucid_orders_at(orders, keyframes, time);
+  const PellucidView view = pellucid_perspective_view(&at, model_world, camera);
+  return pellucid_order_of_cell(&at, pellucid_find_cell(&at, view.direction));
+}
+
+/* An orthographic camera that looks along `forward` (world space). */
+static inline uint32_t pellucid_select_animated_orthographic(const PellucidOrders* orders,
+                                                             const PellucidKeyframes* keyframes, double time,
+                                                             const double model_world[16],
+                                                             const double forward[3]) {
+  const PellucidOrders at = pellucid_orders_at(orders, keyframes, time);
+  const PellucidView view = pellucid_orthographic_view(model_world, forward);
+  return pellucid_order_of_cell(&at, pellucid_find_cell(&at, view.direction));
 }
 
 #ifdef __cplusplus

@@ -9,7 +9,7 @@ namespace pellucid {
 namespace {
 
 // Raised whenever a step computes something else, or its record has another form, within one version.
-constexpr std::uint32_t kRecordsFormat = 1;
+constexpr std::uint32_t kRecordsFormat = 2;
 
 std::vector<std::byte> bytes_of_options(const OrderOptions& options) {
   // Every member has a name here, so that an option that is added does not compile until somebody has said

@@ -78,10 +78,20 @@ void fields(Archive& archive, T& spec) {
   archive(spec.kind, spec.level, spec.sample_level);
 }
 
+template <class Archive, RecordOf<BoundingSphere> T>
+void fields(Archive& archive, T& sphere) {
+  archive(sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius);
+}
+
+template <class Archive, RecordOf<KeyFrameTable> T>
+void fields(Archive& archive, T& table) {
+  archive(table.animation, table.times, table.spheres, table.cell_orders);
+}
+
 template <class Archive, RecordOf<OrderSet> T>
 void fields(Archive& archive, T& set) {
-  archive(set.partition, set.sphere.center.x, set.sphere.center.y, set.sphere.center.z, set.sphere.radius,
-          set.valid_from, set.valid_to, set.facing, set.orders, set.cell_orders, set.base_sequence);
+  archive(set.purpose, set.partition, set.sphere, set.valid_from, set.valid_to, set.facing, set.orders,
+          set.cell_orders, set.base_sequence, set.patch_offsets, set.model_ranks, set.animations);
 }
 
 template <class Archive, RecordOf<OrderStatistics> T>

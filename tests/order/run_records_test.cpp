@@ -264,5 +264,31 @@ TEST(RunRecords, ValuesComeBackAndCutOnesDoNot) {
   }
 }
 
+TEST(RunRecords, AllOfAnOrderSetComesBack) {
+  OrderSet set;
+  set.purpose = OrderPurpose::overdraw;
+  set.sphere = {{1, 2, 3}, 4};
+  set.orders = {{0, 2}, {2, 0}};
+  set.patch_offsets = {0, 1, 2};
+  set.model_ranks = {1, 0};
+  set.animations = {{7, {0, 0.5}, {{{1, 0, 0}, 2}, {{0, 1, 0}, 3}}, {0, 1}}};
+  RecordWriter writer;
+  writer(set);
+  OrderSet again;
+  ASSERT_TRUE(RecordReader(writer.bytes()).read(again));
+  EXPECT_EQ(again.purpose, set.purpose);
+  EXPECT_EQ(again.sphere.center, set.sphere.center);
+  EXPECT_EQ(again.orders, set.orders);
+  EXPECT_EQ(again.patch_offsets, set.patch_offsets);
+  EXPECT_EQ(again.model_ranks, set.model_ranks);
+  ASSERT_EQ(again.animations.size(), 1U);
+  EXPECT_EQ(again.animations[0].animation, 7U);
+  EXPECT_EQ(again.animations[0].times, set.animations[0].times);
+  ASSERT_EQ(again.animations[0].spheres.size(), 2U);
+  EXPECT_EQ(again.animations[0].spheres[1].center, set.animations[0].spheres[1].center);
+  EXPECT_EQ(again.animations[0].spheres[1].radius, 3);
+  EXPECT_EQ(again.animations[0].cell_orders, set.animations[0].cell_orders);
+}
+
 }  // namespace
 }  // namespace pellucid

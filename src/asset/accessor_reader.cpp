@@ -89,6 +89,19 @@ std::vector<std::uint32_t> AccessorReader::read_scalars(std::uint64_t index) {
   return values;
 }
 
+std::vector<float> AccessorReader::read_floats(std::uint64_t index, std::uint64_t components) {
+  const Fields source = accessor(index);
+  const Layout layout = layout_of(source, components == 1 ? "SCALAR" : "VEC4", components);
+  if (layout.component_type != single_float) source.fail("it does not hold floats");
+  charge(source, layout.count, max_elements_);
+  const Bytes bytes = elements(source, layout);
+  std::vector<float> values(layout.count * components);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = real_at(bytes, i * layout.component_bytes, single_float, false);
+  }
+  return values;
+}
+
 AccessorReader::Elements AccessorReader::read_elements(std::uint64_t index) {
   static const std::map<std::string, std::uint64_t> kComponents{
       {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};

@@ -19,6 +19,12 @@ class AccessorReader {
   // SCALAR, unsigned 8-, 16- or 32-bit, not normalised.
   std::vector<std::uint32_t> read_scalars(std::uint64_t accessor);
 
+  // float, SCALAR (components = 1) or VEC4 (4), back to back.
+  std::vector<float> read_floats(std::uint64_t accessor, std::uint64_t components);
+
+  // Count elements that are made from others towards the limit of the file.
+  void charge(const Fields& owner, std::uint64_t elements) { charge(owner, elements, 9 * max_elements_); }
+
   // Of any type, as stored, back to back: strides, sparse parts and compression resolved.
   struct Elements {
     std::string type;  // "VEC3"

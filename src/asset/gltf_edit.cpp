@@ -195,7 +195,7 @@ void DocumentEditor::remove_orders() {
       Json& json = document_.json["meshes"][m]["primitives"][p];
       const Json* extension = extension_in(json, kOrderExtension);
       if (extension == nullptr) continue;
-      for (const char* key : {"cellOrders", "patchOffsets", "indices", "patches"}) {
+      for (const char* key : {"cellOrders", "patchOffsets", "indices", "patches", "times", "spheres"}) {
         for_each_index(*extension, key, [&](std::uint64_t accessor) { accessors.insert(accessor); });
       }
       json["extensions"].erase(kOrderExtension);

@@ -126,7 +126,8 @@ Primitive read_primitive(const Fields& root, const Fields& fields, AccessorReade
   if (!primitive.triangles) return primitive;
   read_geometry(fields, accessors, mode, primitive);
   if (extension) {
-    StoredOrders stored = read_order_extension(*extension, primitive.mesh, accessors);
+    StoredOrders stored =
+        read_order_extension(*extension, primitive.mesh, accessors, root.size("animations"));
     primitive.orders = std::move(stored.orders);
     primitive.order_error = std::move(stored.error);
   }

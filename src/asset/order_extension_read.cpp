@@ -1,5 +1,7 @@
 // The order extension in: see order_extension.h.
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -18,8 +20,9 @@ constexpr std::uint64_t triangle_count(std::uint64_t level) {
 
 class OrderExtensionReader {
  public:
-  OrderExtensionReader(const Fields& extension, const Mesh& mesh, AccessorReader& accessors)
-      : extension_(extension), mesh_(mesh), accessors_(accessors) {}
+  OrderExtensionReader(const Fields& extension, const Mesh& mesh, AccessorReader& accessors,
+                       std::uint64_t animations)
+      : extension_(extension), mesh_(mesh), accessors_(accessors), animations_(animations) {}
 
   StoredOrders read() {
     const std::uint64_t version = extension_.index("version");
@@ -27,15 +30,14 @@ class OrderExtensionReader {
       extension_.fail("version " + std::to_string(version) + " is not known; a newer pellucid may read it");
     }
     StoredOrders stored;
-    reversed_ = choose("sorting", "backToFront", "frontToBack");
-    stored.orders.facing = choose("facing", "duplicated", "single") ? Facing::duplicated : Facing::single;
+    read_purpose(stored.orders);
     read_partition(stored.orders);
     read_orders(stored.orders);
-    read_cell_orders(stored.orders);
+    stored.orders.cell_orders = read_cell_orders(extension_, stored.orders, 1);
+    read_key_frames(stored.orders);
     const std::uint64_t fallback = extension_.index_or("fallbackOrder", 0);
     if (fallback >= stored.orders.orders.size()) extension_.fail("fallbackOrder names no order");
-    stored.orders.base_sequence.resize(mesh_.triangles.size());
-    std::iota(stored.orders.base_sequence.begin(), stored.orders.base_sequence.end(), 0U);
+    read_base(stored.orders);
     stored.error = read_error();
     return stored;
   }
@@ -52,6 +54,23 @@ class OrderExtensionReader {
       fields.fail(std::string(key) + " is \"" + value.substr(0, 40) + "\", neither " + yes + " nor " + no);
     }
     return value == yes;
+  }
+
+  // Overdraw orders are drawn as they are stored, by whoever draws them.
+  void read_purpose(OrderSet& set) {
+    const std::string purpose = extension_.text_or("purpose", "transparency");
+    if (purpose != "transparency" && purpose != "overdraw") {
+      extension_.fail("purpose \"" + purpose.substr(0, 40) + "\" is not known");
+    }
+    overdraw_ = purpose == "overdraw";
+    set.purpose = overdraw_ ? OrderPurpose::overdraw : OrderPurpose::transparency;
+    reversed_ = choose("sorting", "backToFront", "frontToBack");
+    set.facing = choose("facing", "duplicated", "single") ? Facing::duplicated : Facing::single;
+    if (overdraw_ && reversed_) extension_.fail("sorting of overdraw orders must be frontToBack");
+    if (overdraw_ && set.facing != Facing::single) {
+      extension_.fail("facing of overdraw orders must be single");
+    }
+    if (!overdraw_ && extension_.has("keyframes")) extension_.fail("only overdraw orders have keyframes");
   }
 
   // Informative: what is not known counts as samples.
@@ -90,8 +109,8 @@ class OrderExtensionReader {
   void read_orders(OrderSet& set) {
     const std::uint64_t count = extension_.size("orders");
     if (count == 0) extension_.fail("it has no orders");
-    // An order that no cell uses can only be the fallback.
-    if (count > triangle_count(set.partition.level) + 1)
+    // An order that no cell uses can only be the fallback, or wait for a key frame.
+    if (!overdraw_ && count > triangle_count(set.partition.level) + 1)
       extension_.fail("it has more orders than view cells");
     std::optional<FacingTable> table;
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -102,9 +121,20 @@ class OrderExtensionReader {
       } else if (const auto indices = order.find_index("indices")) {
         if (!table) table.emplace(mesh_, set.facing);
         sequence = nodes_from_indices(order, *indices, *table);
+        whole_patches_ = false;
       }  // neither: its cells see nothing, and no accessor may be empty
       set.orders.push_back(std::move(sequence));
+      if (const auto rank = order.find_index("rank")) set.model_ranks.push_back(rank_of(order, *rank));
     }
+    if (!set.model_ranks.empty() && set.model_ranks.size() != count) {
+      extension_.fail("some orders have a rank and some have none");
+    }
+  }
+
+  [[nodiscard]] std::uint32_t rank_of(const Fields& order, std::uint64_t rank) const {
+    if (!overdraw_) order.fail("only overdraw orders have a rank");
+    if (rank > std::numeric_limits<std::uint32_t>::max()) order.fail("its rank is above 2^32 - 1");
+    return static_cast<std::uint32_t>(rank);
   }
 
   // Checked before anything is read: a valid order draws no node twice.
@@ -144,6 +174,10 @@ class OrderExtensionReader {
       if (accessors_.count(*accessor) > triangles + 1)
         extension_.fail("patchOffsets has more patches than triangles");
       patch_offsets_ = accessors_.read_scalars(*accessor);
+      if (overdraw_) {
+        check_overdraw_patches();
+        return patch_offsets_;
+      }
       const bool spans =
           !patch_offsets_.empty() && patch_offsets_.front() == 0 && patch_offsets_.back() == triangles;
       if (!spans || !std::is_sorted(patch_offsets_.begin(), patch_offsets_.end())) {
@@ -154,6 +188,17 @@ class OrderExtensionReader {
       std::iota(patch_offsets_.begin(), patch_offsets_.end(), 0U);
     }
     return patch_offsets_;
+  }
+
+  // Triangles behind the last patch are in no order.
+  void check_overdraw_patches() const {
+    const bool spans = !patch_offsets_.empty() && patch_offsets_.front() == 0 &&
+                       patch_offsets_.back() <= mesh_.triangles.size();
+    const auto falls =
+        std::adjacent_find(patch_offsets_.begin(), patch_offsets_.end(), std::greater_equal<>());
+    if (!spans || falls != patch_offsets_.end()) {
+      extension_.fail("patchOffsets does not rise strictly from 0 to at most the number of triangles");
+    }
   }
 
   NodeSequence nodes_from_patches(const Fields& order, std::uint64_t accessor, Facing facing) {
@@ -169,6 +214,9 @@ class OrderExtensionReader {
                    std::to_string(patches));
       }
       const std::uint64_t patch = flipped ? id - patches : id;
+      // Large patches make much of few ids.
+      if (offsets[patch + 1] > offsets[patch] + 1)
+        accessors_.charge(order, offsets[patch + 1] - offsets[patch] - 1);
       for (std::uint32_t triangle = offsets[patch]; triangle < offsets[patch + 1]; ++triangle) {
         const NodeId node = node_of(triangle, flipped);
         if (drawn[node]) order.fail("patch id " + std::to_string(id) + " comes twice");
@@ -180,39 +228,120 @@ class OrderExtensionReader {
     return sequence;
   }
 
-  void read_cell_orders(OrderSet& set) {
-    const std::uint64_t accessor = extension_.index("cellOrders");
+  // The table `cellOrders` of `owner`, as many rows as there are key frames.
+  std::vector<std::uint32_t> read_cell_orders(const Fields& owner, const OrderSet& set, std::uint64_t rows) {
+    const std::uint64_t accessor = owner.index("cellOrders");
     const bool per_corner = !has_triangle_cells(set.partition);
-    const std::uint64_t expected = triangle_count(set.partition.level) * (per_corner ? 3 : 1);
+    const std::uint64_t expected = rows * triangle_count(set.partition.level) * (per_corner ? 3 : 1);
     if (accessors_.count(accessor) != expected) {
-      extension_.fail("cellOrders has " + std::to_string(accessors_.count(accessor)) +
-                      " entries, the partition needs " + std::to_string(expected));
+      owner.fail("cellOrders has " + std::to_string(accessors_.count(accessor)) +
+                 " entries, the partition needs " + std::to_string(expected));
     }
-    const std::vector<std::uint32_t> stored = accessors_.read_scalars(accessor);
+    std::vector<std::uint32_t> stored = accessors_.read_scalars(accessor);
     for (std::size_t cell = 0; cell < stored.size(); ++cell) {
       if (stored[cell] >= set.orders.size()) {
-        extension_.fail("cellOrders[" + std::to_string(cell) + "] names order " +
-                        std::to_string(stored[cell]) + " of " + std::to_string(set.orders.size()));
+        owner.fail("cellOrders[" + std::to_string(cell) + "] names order " + std::to_string(stored[cell]) +
+                   " of " + std::to_string(set.orders.size()));
       }
     }
-    set.cell_orders = per_corner ? orders_of_vertices(stored, set.partition.level) : stored;
+    return per_corner ? orders_of_vertices(owner, stored, set.partition.level) : stored;
   }
 
-  // One order per corner of each triangle becomes one per vertex; the corners of a vertex must agree.
-  std::vector<std::uint32_t> orders_of_vertices(const std::vector<std::uint32_t>& corners,
-                                                std::uint32_t level) const {
+  // One order per corner of each triangle becomes one per vertex, row by row; the corners of a vertex must
+  // agree.
+  static std::vector<std::uint32_t> orders_of_vertices(const Fields& owner,
+                                                       const std::vector<std::uint32_t>& corners,
+                                                       std::uint32_t level) {
     constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
     const Icosphere sphere = make_icosphere(level);
-    std::vector<std::uint32_t> orders(sphere.vertices.size(), kUnset);
+    const std::size_t row_corners = 3 * sphere.triangles.size();
+    std::vector<std::uint32_t> orders(corners.size() / row_corners * sphere.vertices.size(), kUnset);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      std::uint32_t& order = orders[sphere.triangles[i / 3][i % 3]];
+      const std::size_t row = i / row_corners;
+      const std::size_t corner = i % row_corners;
+      std::uint32_t& order = orders[row * sphere.vertices.size() + sphere.triangles[corner / 3][corner % 3]];
       if (order != kUnset && order != corners[i]) {
-        extension_.fail("cellOrders[" + std::to_string(i) +
-                        "] differs from another corner at the same vertex");
+        owner.fail("cellOrders[" + std::to_string(i) + "] differs from another corner at the same vertex");
       }
       order = corners[i];
     }
     return orders;
+  }
+
+  void read_key_frames(OrderSet& set) {
+    for (std::uint64_t i = 0; i < extension_.size("keyframes"); ++i) {
+      const Fields fields = extension_.element("keyframes", i);
+      KeyFrameTable table;
+      table.animation = animation_of(fields, set);
+      read_times(fields, table);
+      read_spheres(fields, table);
+      table.cell_orders = read_cell_orders(fields, set, table.times.size());
+      set.animations.push_back(std::move(table));
+    }
+  }
+
+  [[nodiscard]] std::uint32_t animation_of(const Fields& fields, const OrderSet& set) const {
+    const std::uint64_t animation = fields.index("animation");
+    if (animation >= animations_) {
+      fields.fail("animation " + std::to_string(animation) + " does not exist: there are " +
+                  std::to_string(animations_));
+    }
+    for (const KeyFrameTable& other : set.animations) {
+      if (other.animation == animation)
+        fields.fail("animation " + std::to_string(animation) + " has two tables");
+    }
+    return static_cast<std::uint32_t>(animation);
+  }
+
+  void read_times(const Fields& fields, KeyFrameTable& table) {
+    for (const float time : accessors_.read_floats(fields.index("times"), 1)) {
+      const bool later = table.times.empty() || time > table.times.back();
+      if (!std::isfinite(time) || !later) fields.fail("times are not finite and strictly increasing");
+      table.times.push_back(time);
+    }
+    if (table.times.empty()) fields.fail("times are empty");
+  }
+
+  void read_spheres(const Fields& fields, KeyFrameTable& table) {
+    const std::vector<float> values = accessors_.read_floats(fields.index("spheres"), 4);
+    if (values.size() != 4 * table.times.size()) {
+      fields.fail("there are " + std::to_string(values.size() / 4) + " spheres for " +
+                  std::to_string(table.times.size()) + " times");
+    }
+    for (std::size_t i = 0; i < values.size(); i += 4) {
+      const BoundingSphere sphere{{values[i], values[i + 1], values[i + 2]}, values[i + 3]};
+      if (!std::isfinite(sphere.center.x + sphere.center.y + sphere.center.z + sphere.radius) ||
+          sphere.radius < 0) {
+        fields.fail("spheres[" + std::to_string(i / 4) + "] is not finite, or its radius is negative");
+      }
+      table.spheres.push_back(sphere);
+    }
+  }
+
+  // Transparency: all triangles. Overdraw: those that the orders hold, all the same ones.
+  void read_base(OrderSet& set) {
+    std::vector<std::uint32_t>& base = set.base_sequence;
+    base.resize(mesh_.triangles.size());
+    std::iota(base.begin(), base.end(), 0U);
+    if (!overdraw_) return;
+    if (extension_.has("patchOffsets") && whole_patches_) {
+      set.patch_offsets = patch_offsets();
+      base.resize(set.patch_offsets.back());
+    } else {
+      base.clear();
+      for (const NodeId node : set.orders.front()) base.push_back(triangle_of(node));
+      std::sort(base.begin(), base.end());
+    }
+    // No order holds a triangle twice: as many, and none that is missing, are all.
+    std::vector<bool> in_base(mesh_.triangles.size(), false);
+    for (const std::uint32_t triangle : base) in_base[triangle] = true;
+    for (std::size_t i = 0; i < set.orders.size(); ++i) {
+      const NodeSequence& order = set.orders[i];
+      const bool same =
+          order.size() == base.size() &&
+          std::all_of(order.begin(), order.end(), [&](NodeId node) { return in_base[triangle_of(node)]; });
+      if (!same) extension_.fail("orders[" + std::to_string(i) + "] does not draw every triangle once");
+    }
   }
 
   // JSON has no infinity: null stands for it.
@@ -248,14 +377,18 @@ class OrderExtensionReader {
   const Fields& extension_;
   const Mesh& mesh_;
   AccessorReader& accessors_;
+  std::uint64_t animations_;
+  bool overdraw_ = false;
   bool reversed_ = false;
+  bool whole_patches_ = true;  // no order is stored as indices
   std::vector<std::uint32_t> patch_offsets_;
 };
 
 }  // namespace
 
-StoredOrders read_order_extension(const Fields& extension, const Mesh& mesh, AccessorReader& accessors) {
-  return OrderExtensionReader(extension, mesh, accessors).read();
+StoredOrders read_order_extension(const Fields& extension, const Mesh& mesh, AccessorReader& accessors,
+                                  std::uint64_t animations) {
+  return OrderExtensionReader(extension, mesh, accessors, animations).read();
 }
 
 }  // namespace pellucid

@@ -45,35 +45,61 @@ Json error_json(const OrderErrorRecord& record) {
   return error;
 }
 
+Json orders_json(const OrderSet& set, const OrderAccessors& accessors) {
+  const char* key = accessors.encoding == OrderEncoding::indices ? "indices" : "patches";
+  Json orders = Json::array();
+  for (std::size_t i = 0; i < accessors.orders.size(); ++i) {
+    Json order = Json::object();
+    if (accessors.orders[i]) order[key] = *accessors.orders[i];
+    if (!set.model_ranks.empty()) order["rank"] = set.model_ranks[i];
+    orders.push_back(std::move(order));
+  }
+  return orders;
+}
+
+Json key_frames_json(const OrderSet& set, const OrderAccessors& accessors) {
+  Json tables = Json::array();
+  for (std::size_t i = 0; i < set.animations.size(); ++i) {
+    Json table;
+    table["animation"] = set.animations[i].animation;
+    table["times"] = accessors.animations[i].times;
+    table["spheres"] = accessors.animations[i].spheres;
+    table["cellOrders"] = accessors.animations[i].cell_orders;
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
 }  // namespace
 
 Json order_extension_json(const OrderSet& set, const std::optional<OrderErrorRecord>& error,
                           SortDirection direction, const OrderAccessors& accessors) {
+  const bool overdraw = set.purpose == OrderPurpose::overdraw;
   Json extension;
   extension["version"] = kOrderExtensionVersion;
   extension["generator"] = "pellucid " PELLUCID_VERSION;
-  extension["sorting"] = direction == SortDirection::back_to_front ? "backToFront" : "frontToBack";
+  if (overdraw) extension["purpose"] = "overdraw";
+  const bool reversed = direction == SortDirection::back_to_front && !overdraw;
+  extension["sorting"] = reversed ? "backToFront" : "frontToBack";
   extension["facing"] = set.facing == Facing::duplicated ? "duplicated" : "single";
   extension["partition"] = partition_json(set);
   extension["cellOrders"] = accessors.cell_orders;
-  Json orders = Json::array();
-  for (const auto& accessor : accessors.orders) {
-    Json order = Json::object();
-    if (accessor) order[accessors.encoding == OrderEncoding::indices ? "indices" : "patches"] = *accessor;
-    orders.push_back(std::move(order));
-  }
-  extension["orders"] = std::move(orders);
+  if (accessors.patch_offsets) extension["patchOffsets"] = *accessors.patch_offsets;
+  extension["orders"] = orders_json(set, accessors);
+  if (!set.animations.empty()) extension["keyframes"] = key_frames_json(set, accessors);
   if (error) extension["error"] = error_json(*error);
   return extension;
 }
 
-std::vector<std::uint32_t> stored_cell_orders(const OrderSet& set) {
-  if (has_triangle_cells(set.partition)) return set.cell_orders;
-  const Icosphere sphere = make_icosphere(set.partition.level);
+std::vector<std::uint32_t> stored_cell_orders(const PartitionSpec& partition,
+                                              std::span<const std::uint32_t> cell_orders) {
+  if (has_triangle_cells(partition)) return {cell_orders.begin(), cell_orders.end()};
+  const Icosphere sphere = make_icosphere(partition.level);
   std::vector<std::uint32_t> corners;
-  corners.reserve(3 * sphere.triangles.size());
-  for (const auto& triangle : sphere.triangles) {
-    for (const std::uint32_t vertex : triangle) corners.push_back(set.cell_orders[vertex]);
+  for (std::size_t row = 0; row < cell_orders.size(); row += sphere.vertices.size()) {
+    for (const auto& triangle : sphere.triangles) {
+      for (const std::uint32_t vertex : triangle) corners.push_back(cell_orders[row + vertex]);
+    }
   }
   return corners;
 }

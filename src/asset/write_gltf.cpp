@@ -7,10 +7,9 @@
 
 #include "gltf_edit.h"
 #include "gltf_usage.h"
-#include "meshopt_view.h"
 #include "minimal_document.h"
+#include "order_arrays.h"
 #include "order_check.h"
-#include "order_extension.h"
 #include "split_attributes.h"
 
 namespace pellucid {
@@ -37,7 +36,11 @@ class ModelWriter {
  public:
   ModelWriter(const Model& model, const std::vector<OrderedPrimitive>& ordered, const std::string& path,
               const WriteOptions& options)
-      : model_(model), path_(path), options_(options), editor_(make_document(ordered)) {}
+      : model_(model),
+        path_(path),
+        options_(options),
+        editor_(make_document(ordered)),
+        arrays_(editor_, options, fs::path(path).stem().string()) {}
 
   WriteReport write() {
     editor_.remove_orders();
@@ -65,7 +68,7 @@ class ModelWriter {
     }
     if (model_.document == nullptr) {
       for (const OrderedPrimitive* entry : ordered_) {
-        if (options_.bake_base) bases[entry->primitive] = complete_base(*entry);
+        if (bakes(entry->orders)) bases[entry->primitive] = complete_base(*entry);
       }
       return make_minimal_document(model_, bases, written_);
     }
@@ -108,7 +111,7 @@ class ModelWriter {
       Json& json = editor_.primitive(written.mesh, written.index);
       const bool is_list = json.value("mode", 4) == 4;
       std::vector<std::uint32_t> base = written.base;
-      if (entries[p] != nullptr && options_.bake_base && order_may_change(json)) {
+      if (entries[p] != nullptr && bakes(entries[p]->orders) && order_may_change(json)) {
         base = complete_base(*entries[p]);
       }
       if (is_list && base == written.base && !primitive.new_vertices) continue;
@@ -147,100 +150,40 @@ class ModelWriter {
     json["indices"] = editor_.append_accessor(view, 0, width, indices.size());
   }
 
-  std::uint64_t side_buffer(const std::string& suffix) {
-    const std::string name = fs::path(path_).stem().string() + suffix;
-    const auto known = std::find(side_names_.begin(), side_names_.end(), name);
-    if (known != side_names_.end()) return static_cast<std::uint64_t>(known - side_names_.begin());
-    const std::uint64_t buffer = editor_.append_buffer(BufferStorage::external);
-    side_names_.resize(buffer + 1);
-    side_names_[buffer] = name;
-    return buffer;
+  // Patches are runs of primitive.indices as the set wants them: where that may not change, orders are stored
+  // as indices.
+  [[nodiscard]] OrderEncoding encoding_of(const OrderSet& set, const Json& primitive) const {
+    const bool kept = set.purpose == OrderPurpose::overdraw && !order_may_change(primitive);
+    return kept ? OrderEncoding::indices : options_.encoding;
   }
 
-  std::uint64_t order_buffer() {
-    return options_.split_buffer ? side_buffer(".orders.bin") : editor_.host_buffer();
-  }
-
-  // What is stored for one order: indices, or ids of triangles in primitive.indices as written.
-  std::vector<std::uint32_t> stored_values(const NodeSequence& order, const Mesh& mesh,
-                                           const std::vector<std::uint32_t>& position,
-                                           std::size_t patches) const {
-    NodeSequence drawn = order;
-    if (options_.direction == SortDirection::back_to_front) std::reverse(drawn.begin(), drawn.end());
-    std::vector<std::uint32_t> values;
-    for (const NodeId node : drawn) {
-      if (options_.encoding == OrderEncoding::indices) {
-        const Triangle corners = corners_of(mesh, node);
-        values.insert(values.end(), corners.begin(), corners.end());
-      } else {
-        values.push_back(position[triangle_of(node)] +
-                         static_cast<std::uint32_t>(is_flipped(node) ? patches : 0));
-      }
-    }
-    return values;
-  }
-
-  std::uint64_t append_order_view(const std::vector<std::uint32_t>& values, IndexWidth width) {
-    const Bytes bytes = pack(values, width);
-    if (options_.encoding != OrderEncoding::meshopt) {
-      report_.order_bytes += bytes.size();
-      return editor_.append_view(editor_.append_bytes(order_buffer(), bytes));
-    }
-    const Bytes compressed = encode_meshopt_indices(values);
-    report_.order_bytes += compressed.size();
-    const auto stored = editor_.append_bytes(order_buffer(), compressed);
-    const std::uint64_t fallback = side_buffer(".orders-fallback.bin");
-    editor_.document().json["buffers"][fallback]["extensions"][kMeshoptExtension]["fallback"] = true;
-    editor_.declare_extension(kMeshoptExtension);
-    return editor_.append_compressed_view(editor_.append_bytes(fallback, bytes), stored, width);
-  }
-
-  std::uint64_t append_cell_orders(const OrderSet& set) {
-    const IndexWidth width = value_width(set.orders.size());
-    const std::vector<std::uint32_t> cells = stored_cell_orders(set);
-    const Bytes bytes = pack(cells, width);
-    report_.order_bytes += bytes.size();
-    const std::uint64_t view = editor_.append_view(editor_.append_bytes(order_buffer(), bytes));
-    return editor_.append_accessor(view, 0, width, cells.size());
+  [[nodiscard]] bool bakes(const OrderSet& set) const {
+    return options_.bake_base ||
+           (set.purpose == OrderPurpose::overdraw && options_.encoding != OrderEncoding::indices);
   }
 
   void write_orders(const OrderedPrimitive& entry) {
-    const Mesh& mesh = model_.primitives[entry.primitive].mesh;
+    const OrderSet& set = entry.orders;
+    const Primitive& primitive = model_.primitives[entry.primitive];
     const WrittenPrimitive& written = written_[entry.primitive];
-    const std::size_t patches = written.base.size();
-    std::vector<std::uint32_t> position(mesh.triangles.size(), 0);
-    for (std::uint32_t i = 0; i < patches; ++i) position[written.base[i]] = i;
-
-    // All orders of a primitive lie in one view, so that a renderer makes one buffer of them.
-    const bool indices = options_.encoding == OrderEncoding::indices;
-    const IndexWidth width = indices ? vertex_index_width(mesh.positions.size())
-                                     : std::max(value_width(2 * patches), IndexWidth::two_bytes);
-    std::vector<std::uint32_t> values;
-    std::vector<std::size_t> ends;
-    for (const NodeSequence& order : entry.orders.orders) {
-      const std::vector<std::uint32_t> stored = stored_values(order, mesh, position, patches);
-      values.insert(values.end(), stored.begin(), stored.end());
-      ends.push_back(values.size());
+    const OrderEncoding encoding = encoding_of(set, editor_.primitive(written.mesh, written.index));
+    // Triangles that glTF cannot hold are missing in what was written.
+    const std::vector<std::uint32_t>& base = set.base_sequence;
+    const bool in_place =
+        written.base.size() >= base.size() && std::equal(base.begin(), base.end(), written.base.begin());
+    if (set.purpose == OrderPurpose::overdraw && encoding != OrderEncoding::indices && !in_place) {
+      throw Error(ErrorKind::bad_argument, "orders of primitive \"" + primitive.name +
+                                               "\": a triangle of the base sequence cannot be written");
     }
-    OrderAccessors accessors;
-    accessors.encoding = options_.encoding;
-    accessors.orders.resize(ends.size());
-    if (!values.empty()) {
-      const std::uint64_t view = append_order_view(values, width);
-      for (std::size_t i = 0; i < ends.size(); ++i) {
-        const std::size_t begin = i == 0 ? 0 : ends[i - 1];
-        if (begin == ends[i]) continue;
-        accessors.orders[i] = editor_.append_accessor(view, begin * bytes_of(width), width, ends[i] - begin);
-      }
-    }
-    accessors.cell_orders = append_cell_orders(entry.orders);
+    const OrderAccessors accessors = arrays_.write(set, primitive.mesh, written.base, encoding);
     editor_.primitive(written.mesh, written.index)["extensions"][kOrderExtension] =
-        order_extension_json(entry.orders, entry.error, options_.direction, accessors);
+        order_extension_json(set, entry.error, options_.direction, accessors);
     editor_.declare_extension(kOrderExtension);
   }
 
   WriteReport write_files() {
-    DocumentFiles files = lay_out(editor_.document(), path_, side_names_);
+    DocumentFiles files = lay_out(editor_.document(), path_, arrays_.side_names());
+    report_.order_bytes = arrays_.order_bytes();
     report_.files.push_back(path_);
     report_.file_bytes = files.main.size();
     for (const auto& [name, bytes] : files.side_files) {
@@ -271,7 +214,7 @@ class ModelWriter {
   std::vector<const OrderedPrimitive*> ordered_;
   std::vector<WrittenPrimitive> written_;  // one per primitive of the model
   DocumentEditor editor_;
-  std::vector<std::string> side_names_;  // by buffer; empty: not a side file of ours
+  OrderArrayWriter arrays_;
   WriteReport report_;
 };
 

@@ -153,6 +153,25 @@ inline HandMade pyramid() {
   return file;
 }
 
+// Two pyramids under one moving node, the second one also morphed: two animations.
+inline HandMade moving_pyramids() {
+  HandMade file = pyramid();
+  const std::size_t times = file.accessor(file.view(std::vector<float>{0, 0.5F}), 5126, 2, "SCALAR");
+  file.json["accessors"][times]["min"] = {0};
+  file.json["accessors"][times]["max"] = {0.5};
+  const std::size_t steps = file.accessor(file.view(std::vector<float>{0, 0, 0, 1, 0, 0}), 5126, 2, "VEC3");
+  const Json animation = {
+      {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+      {"samplers", {{{"input", times}, {"output", steps}}}}};
+  file.json["animations"] = {animation, animation};
+  Json second = file.primitive();
+  second["targets"] = {{{"POSITION", second["attributes"]["POSITION"]}}};
+  file.json["meshes"].push_back({{"name", "second"}, {"weights", {0}}, {"primitives", {second}}});
+  file.json["nodes"].push_back({{"mesh", 1}});
+  file.json["nodes"][0]["children"] = {1};
+  return file;
+}
+
 // Random points; triangles may repeat and coincide, as in real files.
 inline Mesh random_mesh(Random& random, std::uint32_t vertices, std::uint32_t triangles) {
   Mesh mesh;
@@ -200,6 +219,45 @@ inline OrderSet random_orders(Random& random, const Mesh& mesh, const PartitionS
   set.base_sequence.resize(triangles);
   std::iota(set.base_sequence.begin(), set.base_sequence.end(), 0U);
   shuffle(set.base_sequence, random);
+  return set;
+}
+
+// Overdraw orders of random patches of a shuffled base, over the cells of `partition`, with key frames of
+// these animations.
+inline OrderSet random_overdraw_orders(Random& random, const Mesh& mesh, const PartitionSpec& partition,
+                                       std::uint32_t count, const std::vector<std::uint32_t>& animations) {
+  OrderSet set = random_orders(random, mesh, partition, count, Facing::single);
+  set.purpose = OrderPurpose::overdraw;
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  set.patch_offsets = {0};
+  while (set.patch_offsets.back() < triangles) {
+    const std::uint32_t size = 1 + static_cast<std::uint32_t>(random.below(5));
+    set.patch_offsets.push_back(std::min(triangles, set.patch_offsets.back() + size));
+  }
+  std::vector<std::uint32_t> patches(set.patch_offsets.size() - 1);
+  std::iota(patches.begin(), patches.end(), 0U);
+  for (NodeSequence& order : set.orders) {
+    shuffle(patches, random);
+    order.clear();
+    for (const std::uint32_t p : patches) {
+      for (std::uint32_t i = set.patch_offsets[p]; i < set.patch_offsets[p + 1]; ++i) {
+        order.push_back(node_of(set.base_sequence[i], false));
+      }
+    }
+    set.model_ranks.push_back(static_cast<std::uint32_t>(random.below(9)));
+  }
+  for (const std::uint32_t animation : animations) {
+    KeyFrameTable table;
+    table.animation = animation;
+    for (std::uint32_t k = 0; k < 3 + animation; ++k) {
+      table.times.push_back(0.25 * k);
+      table.spheres.push_back({to_double(to_float(random.direction())), 0.5 * k});
+      for (std::size_t cell = 0; cell < set.cell_orders.size(); ++cell) {
+        table.cell_orders.push_back(static_cast<std::uint32_t>(random.below(count)));
+      }
+    }
+    set.animations.push_back(table);
+  }
   return set;
 }
 

@@ -8,6 +8,18 @@ namespace {
 
 constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
+// Where patches begin once the triangles without a new number are gone; patches that are gone, too, are none.
+std::vector<std::uint32_t> kept_offsets(const OrderSet& orders, std::span<const std::uint32_t> new_number) {
+  std::vector<std::uint32_t> kept;
+  std::uint32_t count = 0;
+  std::size_t next = 0;  // of the base sequence
+  for (const std::uint32_t offset : orders.patch_offsets) {
+    for (; next < offset; ++next) count += new_number[orders.base_sequence[next]] == kNowhere ? 0U : 1U;
+    if (kept.empty() || kept.back() != count) kept.push_back(count);
+  }
+  return kept;
+}
+
 // Renumber triangles; those without a new number are left out.
 OrderSet renumbered(OrderSet orders, std::span<const std::uint32_t> new_number) {
   for (NodeSequence& order : orders.orders) {
@@ -19,6 +31,7 @@ OrderSet renumbered(OrderSet orders, std::span<const std::uint32_t> new_number) 
     }
     order = std::move(kept);
   }
+  orders.patch_offsets = kept_offsets(orders, new_number);
   std::vector<std::uint32_t> base;
   base.reserve(orders.base_sequence.size());
   for (const std::uint32_t triangle : orders.base_sequence) {
@@ -60,10 +73,14 @@ Mesh compacted(const Mesh& mesh) {
   return compact;
 }
 
+bool has_transparency_orders(const Primitive& primitive) {
+  return primitive.orders && primitive.orders->purpose == OrderPurpose::transparency;
+}
+
 CleanPrimitive clean_primitive(const Primitive& primitive) {
   CleanMesh clean_mesh = clean(primitive.mesh, {}, primitive.name);
   CleanPrimitive result;
-  if (primitive.orders) {
+  if (has_transparency_orders(primitive)) {
     result.orders = restrict_orders(*primitive.orders, clean_mesh.source, primitive.mesh.triangles.size());
   }
   result.mesh = std::move(clean_mesh.mesh);

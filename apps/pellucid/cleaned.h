@@ -20,7 +20,11 @@ OrderSet restrict_orders(OrderSet orders, std::span<const std::uint32_t> source,
 // Only the vertices that triangles use, in their order.
 Mesh compacted(const Mesh& mesh);
 
-// A primitive as it is measured and drawn: clean, its orders (if any) referring to the clean mesh.
+// Does it have orders that promise right pictures of translucent faces? Overdraw orders are none.
+bool has_transparency_orders(const Primitive& primitive);
+
+// A primitive as it is measured and drawn: clean, its transparency orders (if any) referring to the clean
+// mesh.
 struct CleanPrimitive {
   Mesh mesh;
   std::optional<OrderSet> orders;

@@ -46,14 +46,24 @@ void parse_distance_range(const std::string& text, MeasureSettings& settings) {
   }
 }
 
+// Overdraw orders have no wrong pixels to be counted.
+void note_overdraw_orders(const Model& model, const Session& session) {
+  const auto count = std::count_if(
+      model.primitives.begin(), model.primitives.end(),
+      [](const Primitive& primitive) { return primitive.orders && !has_transparency_orders(primitive); });
+  if (count == 0) return;
+  session.note(fmt::format("{}: the overdraw orders of {} primitive(s) are not measured", model.path, count));
+}
+
 // The primitives that are measured: those with orders; where a file has none, all its triangles.
 Input read_input(const std::string& path, const std::string& label, bool want_orders,
-                 std::uint32_t simplify_to) {
+                 std::uint32_t simplify_to, const Session* notes = nullptr) {
   Model model = read_model(path);
+  if (notes != nullptr) note_overdraw_orders(model, *notes);
   Input input{path, label, {}, {}};
   for (Primitive& primitive : model.primitives) {
     if (!primitive.triangles || primitive.mesh.triangles.empty()) continue;
-    if (want_orders && !primitive.orders) continue;
+    if (want_orders && !has_transparency_orders(primitive)) continue;
     CleanPrimitive clean = clean_primitive(primitive);
     if (simplify_to > 0 && clean.mesh.triangles.size() > simplify_to)
       clean.mesh = simplify(clean.mesh, simplify_to);
@@ -77,11 +87,11 @@ std::vector<std::string> labels_of(const std::vector<std::string>& paths) {
   return labels;
 }
 
-std::vector<Input> read_inputs(const MeasureCommandOptions& options) {
+std::vector<Input> read_inputs(const MeasureCommandOptions& options, const Session& session) {
   const std::vector<std::string> labels = labels_of(options.inputs);
   std::vector<Input> inputs;
   for (std::size_t i = 0; i < options.inputs.size(); ++i) {
-    inputs.push_back(read_input(options.inputs[i], labels[i], true, 0));
+    inputs.push_back(read_input(options.inputs[i], labels[i], true, 0, &session));
   }
   if (inputs.front().primitives.empty()) {
     if (inputs.size() > 1) {
@@ -242,7 +252,7 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   if (options.no_baselines) options.baselines = "none";
   if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
   begin_stage(session.progress(), "reading", 0);
-  std::vector<Input> inputs = read_inputs(options);
+  std::vector<Input> inputs = read_inputs(options, session);
   std::optional<Input> original;
   if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);
   std::vector<const Mesh*> originals;

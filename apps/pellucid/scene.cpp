@@ -124,7 +124,8 @@ Scene make_scene(const Model& model) {
   for (const Primitive& primitive : model.primitives) {
     scene.primitives.push_back(clean_primitive(primitive));
     const bool single_sided = is_gltf(model) && !primitive.double_sided;
-    scene.culled.push_back(primitive.orders ? primitive.orders->facing == Facing::single : single_sided);
+    scene.culled.push_back(has_transparency_orders(primitive) ? primitive.orders->facing == Facing::single
+                                                              : single_sided);
   }
   for (const Instance& instance : model.instances) {
     append_object(scene, instance.primitive, instance.world, instance.node_name);

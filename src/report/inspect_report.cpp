@@ -23,12 +23,40 @@ const char* name_of(Facing facing) {
   return facing == Facing::single ? "single" : "duplicated";
 }
 
-Json json_of(const Primitive& primitive) {
+const char* name_of(OrderPurpose purpose) {
+  return purpose == OrderPurpose::overdraw ? "overdraw" : "transparency";
+}
+
+// Of an overdraw set.
+std::size_t patch_count(const OrderSet& orders) {
+  return orders.patch_offsets.empty() ? orders.base_sequence.size() : orders.patch_offsets.size() - 1;
+}
+
+Json json_of(const KeyFrameTable& table, const Model& model) {
+  return {{"animation", table.animation},
+          {"name", model.animation_names.at(table.animation)},
+          {"key_frames", table.times.size()},
+          {"first_time", table.times.front()},
+          {"last_time", table.times.back()}};
+}
+
+// Keys that only overdraw sets have.
+void add_overdraw_keys(Json& json, const OrderSet& orders, const Model& model) {
+  if (orders.purpose != OrderPurpose::overdraw) return;
+  Json animations = Json::array();
+  for (const KeyFrameTable& table : orders.animations) animations.push_back(json_of(table, model));
+  json["patch_count"] = patch_count(orders);
+  json["model_ranks"] = orders.model_ranks;
+  json["animations"] = std::move(animations);
+}
+
+Json json_of(const Primitive& primitive, const Model& model) {
   if (!primitive.orders) return nullptr;
   const OrderSet& orders = *primitive.orders;
   Json triangles = Json::array();
   for (const NodeSequence& order : orders.orders) triangles.push_back(order.size());
-  Json json = {{"partition", to_string(orders.partition)},
+  Json json = {{"purpose", name_of(orders.purpose)},
+               {"partition", to_string(orders.partition)},
                {"cells", orders.cell_orders.size()},
                {"buffer_count", orders.orders.size()},
                {"buffer_triangles", std::move(triangles)},
@@ -39,6 +67,7 @@ Json json_of(const Primitive& primitive) {
                {"valid_to", json_distance(orders.valid_to)},
                {"memory_bytes", index_bytes(orders, primitive.mesh)},
                {"error", nullptr}};
+  add_overdraw_keys(json, orders, model);
   if (primitive.order_error) {
     const OrderErrorRecord& error = *primitive.order_error;
     Json by_distance = Json::array();
@@ -69,13 +98,25 @@ std::string shape_of(const MeshReport& check) {
   return text;
 }
 
-std::string order_lines(const Primitive& primitive) {
+std::string overdraw_lines(const OrderSet& orders, const Model& model) {
+  std::string text = fmt::format("    for less overdraw: {} patches{}\n", format_count(patch_count(orders)),
+                                 orders.model_ranks.empty() ? "" : ", ranked among the model's meshes");
+  for (const KeyFrameTable& table : orders.animations) {
+    text += fmt::format("    animation {} ({}): {} key frames from {} to {} s\n", table.animation,
+                        model.animation_names.at(table.animation), table.times.size(),
+                        format_fixed(table.times.front(), 2), format_fixed(table.times.back(), 2));
+  }
+  return text;
+}
+
+std::string order_lines(const Primitive& primitive, const Model& model) {
   const OrderSet& orders = *primitive.orders;
   std::string text = fmt::format(
       "    {} orders over {} ({} cells), facing {}, {} when drawn, valid from {} to {} radii\n",
       orders.orders.size(), to_string(orders.partition), orders.cell_orders.size(), name_of(orders.facing),
       format_bytes(index_bytes(orders, primitive.mesh)), format_fixed(orders.valid_from, 2),
       std::isinf(orders.valid_to) ? "infinity" : format_fixed(orders.valid_to, 2));
+  if (orders.purpose == OrderPurpose::overdraw) text += overdraw_lines(orders, model);
   if (primitive.order_error) {
     const OrderErrorRecord& error = *primitive.order_error;
     text += fmt::format("    wrong pixels over {} viewpoints at {}x{}: mean {}, worst {}; PSNR {} dB\n",
@@ -100,7 +141,7 @@ std::string inspect_json(const Model& model) {
                           {"double_sided", primitive.double_sided},
                           {"deforms", primitive.deforms},
                           {"check", json_of(check(primitive.mesh))},
-                          {"orders", json_of(primitive)}});
+                          {"orders", json_of(primitive, model)}});
   }
   Json instances = Json::array();
   for (const Instance& instance : model.instances) {
@@ -136,7 +177,7 @@ std::string inspect_text(const Model& model) {
                         name_of(primitive.alpha_mode), format_fixed(primitive.base_color[3], 2),
                         primitive.double_sided ? ", double-sided" : ", single-sided",
                         primitive.deforms ? ", deforms" : "");
-    if (primitive.orders) text += order_lines(primitive);
+    if (primitive.orders) text += order_lines(primitive, model);
   }
   for (const std::string& name : model.animation_names) text += fmt::format("animation: {}\n", name);
   for (const std::string& note : model.notes) text += fmt::format("note: {}\n", note);

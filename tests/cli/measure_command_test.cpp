@@ -1,7 +1,11 @@
 // pellucid measure: table, JSON, report, several files.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "cli/command_line.h"
+#include "pellucid/asset.h"
 
 namespace pellucid::testing {
 namespace {
@@ -49,6 +53,44 @@ TEST(MeasureCommand, MeasuresAFileWithoutOrdersByItself) {
   const nlohmann::json json = nlohmann::json::parse(done.out);
   EXPECT_TRUE(json["orders"].contains("original"));
   EXPECT_FALSE(json["orders"].contains("base"));
+}
+
+// The plain sample with overdraw orders: its own triangles and the reverse.
+std::string write_overdraw_sample(const std::string& path) {
+  const Model model = read_model(samples().plain);
+  std::vector<OrderedPrimitive> ordered;
+  for (std::uint32_t p = 0; p < model.primitives.size(); ++p) {
+    OrderSet set;
+    set.purpose = OrderPurpose::overdraw;
+    set.facing = Facing::single;
+    set.partition = parse_partition("S0,0");
+    set.cell_orders.assign(20, 1);
+    set.base_sequence.resize(model.primitives[p].mesh.triangles.size());
+    std::iota(set.base_sequence.begin(), set.base_sequence.end(), 0U);
+    set.orders.resize(2);
+    for (const std::uint32_t t : set.base_sequence) set.orders[0].push_back(node_of(t, false));
+    set.orders[1].assign(set.orders[0].rbegin(), set.orders[0].rend());
+    ordered.push_back({p, set, {}});
+  }
+  write_model(model, ordered, path);
+  return path;
+}
+
+TEST(MeasureCommand, OverdrawOrdersAreNoOrdersToBeMeasured) {
+  const TemporaryFolder folder;
+  const std::string path = write_overdraw_sample(folder.file("overdraw.glb"));
+  const Finished done = run_pellucid(quick_measure({path}, {"--json", "-"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(count_lines(done.err), 1U);
+  EXPECT_NE(done.err.find("overdraw orders of"), std::string::npos) << done.err;
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  EXPECT_TRUE(json["orders"].contains("original"));
+  EXPECT_FALSE(json["orders"].contains("overdraw"));
+  EXPECT_EQ(run_pellucid({"render", path, "-o", folder.file("a.png"), "--order", "buffers"}).code, 4);
+  EXPECT_EQ(run_pellucid({"render", path, "-o", folder.file("a.png"), "--order", "error"}).code, 4);
+  EXPECT_EQ(run_pellucid({"render", path, "-o", folder.file("a.png"), "--size", "32x32"}).code, 0);
+  const Finished inspect = run_pellucid({"inspect", path});
+  EXPECT_NE(inspect.out.find("for less overdraw:"), std::string::npos) << inspect.out;
 }
 
 void erase_timings(nlohmann::json& json) {

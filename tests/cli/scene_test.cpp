@@ -39,6 +39,30 @@ TEST(Cleaned, LiftAndRestrictAreInverse) {
   EXPECT_EQ(fewer.orders[0], (NodeSequence{node_of(0, false), node_of(1, false)}));
 }
 
+TEST(Cleaned, PatchesShrinkWithTheirTriangles) {
+  OrderSet orders;
+  orders.purpose = OrderPurpose::overdraw;
+  orders.base_sequence = {2, 0, 1, 3};
+  orders.patch_offsets = {0, 1, 3, 4};
+  const OrderSet all = restrict_orders(orders, std::vector<std::uint32_t>{0, 1, 2, 3}, 4);
+  EXPECT_EQ(all.patch_offsets, orders.patch_offsets);
+  const OrderSet fewer = restrict_orders(orders, std::vector<std::uint32_t>{0, 1, 3}, 4);
+  EXPECT_EQ(fewer.base_sequence, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(fewer.patch_offsets, (std::vector<std::uint32_t>{0, 2, 3}));
+  EXPECT_EQ(lift_orders(orders, std::vector<std::uint32_t>{7, 5, 3, 1}).patch_offsets, orders.patch_offsets);
+}
+
+TEST(Cleaned, OverdrawOrdersAreNoTransparencyOrders) {
+  Primitive primitive = blend_primitive("car");
+  EXPECT_FALSE(has_transparency_orders(primitive));
+  primitive.orders.emplace();
+  EXPECT_TRUE(has_transparency_orders(primitive));
+  EXPECT_TRUE(clean_primitive(primitive).orders);
+  primitive.orders->purpose = OrderPurpose::overdraw;
+  EXPECT_FALSE(has_transparency_orders(primitive));
+  EXPECT_FALSE(clean_primitive(primitive).orders);
+}
+
 TEST(Cleaned, CompactedKeepsCornersAndNormals) {
   Mesh mesh = tetrahedron();
   mesh.normals = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}};

@@ -135,7 +135,41 @@ TEST(JsonContract, Inspect) {
   EXPECT_EQ(json["primitives"][0]["orders"]["buffer_count"], 2);
   EXPECT_EQ(json["primitives"][0]["orders"]["valid_to"], "inf");
   EXPECT_EQ(json["primitives"][0]["check"]["boundary_edges"], 4);
+  EXPECT_EQ(json["primitives"][0]["orders"]["purpose"], "transparency");
+  EXPECT_FALSE(json["primitives"][0]["orders"].contains("patch_count"));
   EXPECT_NE(inspect_text(model).find("2 orders over S0,0"), std::string::npos);
+}
+
+TEST(JsonContract, InspectShowsOverdrawOrders) {
+  Model model;
+  model.path = "a.glb";
+  model.animation_names = {"walk", "run"};
+  Primitive primitive;
+  primitive.mesh = testing::two_triangles();
+  OrderSet orders = testing::two_orders();
+  orders.purpose = OrderPurpose::overdraw;
+  orders.facing = Facing::single;
+  orders.orders = {{0, 2}, {2, 0}};
+  orders.patch_offsets = {0, 2};
+  orders.model_ranks = {4, 3};
+  orders.animations = {
+      {1, {0.5, 0.75, 1.25}, std::vector<BoundingSphere>(3), std::vector<std::uint32_t>(60)}};
+  primitive.orders = orders;
+  model.primitives = {primitive};
+  const Json shown = Json::parse(inspect_json(model))["primitives"][0]["orders"];
+  EXPECT_EQ(shown["purpose"], "overdraw");
+  EXPECT_EQ(shown["buffer_count"], 2);
+  EXPECT_EQ(shown["patch_count"], 1);
+  EXPECT_EQ(shown["model_ranks"], Json({4, 3}));
+  const Json animation = {
+      {"animation", 1}, {"name", "run"}, {"key_frames", 3}, {"first_time", 0.5}, {"last_time", 1.25}};
+  EXPECT_EQ(shown["animations"], Json::array({animation}));
+  const std::string text = inspect_text(model);
+  EXPECT_NE(text.find("for less overdraw: 1 patches, ranked among the model's meshes"), std::string::npos);
+  EXPECT_NE(text.find("animation 1 (run): 3 key frames from 0.50 to 1.25 s"), std::string::npos);
+
+  model.primitives[0].orders->patch_offsets.clear();
+  EXPECT_EQ(Json::parse(inspect_json(model))["primitives"][0]["orders"]["patch_count"], 2);
 }
 
 }  // namespace

@@ -384,7 +384,7 @@ class AcyclicClustering {
     }
     const std::vector<double> costs = violation_table(graph_, clustering.ranks);
     for (std::size_t cell = 0; cell < clustering.cluster_of.size(); ++cell) {
-      clustering.violated += costs[cell * clustering.cluster_count() + clustering.cluster_of[cell]];
+      clustering.cost += costs[cell * clustering.cluster_count() + clustering.cluster_of[cell]];
     }
     return clustering;
   }

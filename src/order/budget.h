@@ -9,26 +9,12 @@
 #include <vector>
 
 #include "contiguity.h"
+#include "k_orders.h"
 #include "linear_order.h"
 #include "occlusion_graph.h"
 #include "pellucid/view.h"
-#include "record.h"
 
 namespace pellucid {
-
-struct Clustering {
-  std::vector<std::uint32_t> cluster_of;          // per cell
-  std::vector<std::vector<std::uint32_t>> ranks;  // per cluster, per node: a permutation
-  double violated = 0;                            // summed over cells
-  std::uint32_t rounds = 0;
-
-  [[nodiscard]] std::uint32_t cluster_count() const { return static_cast<std::uint32_t>(ranks.size()); }
-};
-
-template <class Archive, RecordOf<Clustering> T>
-void fields(Archive& archive, T& clustering) {
-  archive(clustering.cluster_of, clustering.ranks, clustering.violated, clustering.rounds);
-}
 
 // Where every node lies along the view directions of some cells: its mean depth, the classical painter's key.
 // Smaller is nearer. One value per node.
@@ -51,10 +37,6 @@ struct KMeansOptions {
 // `contiguity` allows.
 Clustering improve_clustering(const OcclusionGraph& graph, Clustering start, const KMeansOptions& options);
 
-// Orders that no cell uses (there were more than cells, or fewer already suffice) left out, the rest
-// renumbered.
-Clustering without_unused_orders(Clustering clustering);
-
 // A start for k clusters: cells by the nearest of k spread-out random directions, orders by depth. Contiguous
 // starts converge in a few rounds to a fraction of the error of starts that join opposite views
 // (docs/in-depth-buffers.md).
@@ -64,8 +46,5 @@ Clustering spread_start(const OcclusionGraph& graph, const Mesh& mesh, const Bou
 // Violated weight of every cell under every order: cells x orders, row by row.
 std::vector<double> violation_table(const OcclusionGraph& graph,
                                     const std::vector<std::vector<std::uint32_t>>& ranks);
-
-std::vector<std::uint32_t> cells_of_cluster(const std::vector<std::uint32_t>& cluster_of,
-                                            std::uint32_t cluster);
 
 }  // namespace pellucid

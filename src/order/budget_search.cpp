@@ -92,8 +92,8 @@ class BudgetSearch {
   // What the coarse solution lets us expect of the full mesh: where that was measured for another count, in
   // proportion to the violated weights.
   double expected_error(std::uint32_t count) {
-    const double at_known_count = known_count_ == 0 ? 0 : solve_coarse(known_count_).violated;
-    if (at_known_count > 0) return known_error_ * solve_coarse(count).violated / at_known_count;
+    const double at_known_count = known_count_ == 0 ? 0 : solve_coarse(known_count_).cost;
+    if (at_known_count > 0) return known_error_ * solve_coarse(count).cost / at_known_count;
     return (same_mesh() ? 1.0 : kFinePerCoarse) * coarse_error(count);
   }
 
@@ -129,7 +129,7 @@ class BudgetSearch {
     });
     const auto best =
         std::min_element(trials.begin(), trials.end(),
-                         [](const Clustering& a, const Clustering& b) { return a.violated < b.violated; });
+                         [](const Clustering& a, const Clustering& b) { return a.cost < b.cost; });
     KMeansOptions further;
     further.contiguity = kContiguity;
     further.partition = &coarse_.partition;

@@ -6,133 +6,28 @@
 #include <limits>
 #include <numeric>
 
+#include "sifter.h"
+
 namespace pellucid {
 namespace {
 
-class Sifter {
+// Wishes that do not depend on where the others are.
+class FixedRows {
  public:
-  Sifter(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks)
-      : wishes_(wishes),
-        movable_(options.movable),
-        step_(options.step),
-        ranks_(ranks),
-        positions_(ranks.begin(), ranks.end()),
-        sequence_(ranks.size()),
-        unsettled_(ranks.size(), 1),
-        violated_(ranks.size(), 0) {}
+  explicit FixedRows(const PairWishes& wishes) : wishes_(wishes) {}
 
-  // Give every node, front to back, the best place among its neighbours. Returns the weight saved. A node is
-  // looked at again only after a neighbour passed it, or moved while something was left to gain.
-  double sweep() {
-    for (NodeId node = 0; node < ranks_.size(); ++node) sequence_[ranks_[node]] = node;
-    for (NodeId node = 0; node < ranks_.size(); ++node) positions_[node] = ranks_[node];
-    double saved = 0;
-    for (const NodeId node : sequence_) {
-      if (unsettled_[node] == 0 || (!movable_.empty() && movable_[node] == 0)) continue;
-      unsettled_[node] = 0;
-      saved += move(node);
-    }
-    std::sort(sequence_.begin(), sequence_.end(), [&](NodeId a, NodeId b) {
-      return positions_[a] != positions_[b] ? positions_[a] < positions_[b] : ranks_[a] < ranks_[b];
-    });
-    for (std::uint32_t rank = 0; rank < sequence_.size(); ++rank) ranks_[sequence_[rank]] = rank;
-    return saved;
+  [[nodiscard]] WishRow row(NodeId node, std::span<const double> /*positions*/) const {
+    const std::uint32_t begin = wishes_.offsets[node];
+    const std::uint32_t count = wishes_.offsets[node + 1] - begin;
+    return {std::span(wishes_.neighbors).subspan(begin, count),
+            std::span(wishes_.weights).subspan(begin, count)};
+  }
+  [[nodiscard]] std::pair<double, double> room(NodeId /*node*/) const {
+    return {-1.0, static_cast<double>(wishes_.offsets.size() - 1)};
   }
 
  private:
-  struct Neighbor {
-    double position;
-    float weight;
-  };
-
-  double move(NodeId node) {
-    const double here = positions_[node];
-    // Only places between the outermost violated neighbours can be better than this one.
-    double first = here;
-    double last = here;
-    const std::uint32_t begin = wishes_.offsets[node];
-    const std::uint32_t end = wishes_.offsets[node + 1];
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const double there = positions_[wishes_.neighbors[i]];
-      if (wishes_.weights[i] > 0) {
-        first = std::min(first, there);
-      } else if (wishes_.weights[i] < 0) {
-        last = std::max(last, there);
-      }
-    }
-    violated_[node] = first != here || last != here ? 1 : 0;
-    if (violated_[node] == 0) return 0;
-
-    before_.clear();
-    after_.clear();
-    double beyond_first = -1;  // the next neighbours outside, between which and the span a place is free
-    double beyond_last = static_cast<double>(ranks_.size());
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const double there = positions_[wishes_.neighbors[i]];
-      if (there < first) {
-        beyond_first = std::max(beyond_first, there);
-      } else if (there > last) {
-        beyond_last = std::min(beyond_last, there);
-      } else if (there < here) {
-        before_.push_back({there, wishes_.weights[i]});
-      } else {
-        after_.push_back({there, wishes_.weights[i]});
-      }
-    }
-    // Moving towards the front past v changes the cost by -weight, towards the back by +weight.
-    std::sort(before_.begin(), before_.end(),
-              [](const Neighbor& a, const Neighbor& b) { return a.position > b.position; });
-    std::sort(after_.begin(), after_.end(),
-              [](const Neighbor& a, const Neighbor& b) { return a.position < b.position; });
-    const Place forward = best_place(before_, -1.0F, beyond_first);
-    const Place backward = best_place(after_, 1.0F, beyond_last);
-    const Place& best = forward.gain >= backward.gain ? forward : backward;
-    if (best.gain <= 0) return 0;
-    positions_[node] = best.position;
-    unsettle_neighbors(node, std::min(here, best.position), std::max(here, best.position));
-    return best.gain;
-  }
-
-  // Neighbours that a move passed may be violated now; others only if they were before.
-  void unsettle_neighbors(NodeId node, double passed_from, double passed_to) {
-    for (std::uint32_t i = wishes_.offsets[node]; i < wishes_.offsets[node + 1]; ++i) {
-      const NodeId neighbor = wishes_.neighbors[i];
-      const double there = positions_[neighbor];
-      const bool passed = passed_from <= there && there <= passed_to;
-      if (passed || violated_[neighbor] != 0) unsettled_[neighbor] = 1;
-    }
-  }
-
-  struct Place {
-    double gain = 0;
-    double position = 0;
-  };
-
-  // Pass the neighbours one by one; the best gap lies between the last one passed and the next (`beyond`
-  // after the last).
-  [[nodiscard]] Place best_place(const std::vector<Neighbor>& passed, float sign, double beyond) const {
-    Place best;
-    double gain = 0;
-    for (std::size_t i = 0; i < passed.size(); ++i) {
-      gain -= static_cast<double>(sign * passed[i].weight);
-      if (gain > best.gain) {
-        const double next = i + 1 < passed.size() ? passed[i + 1].position : beyond;
-        const double middle = 0.5 * (next - passed[i].position);
-        best = {gain, passed[i].position + std::clamp(middle, -step_, step_)};
-      }
-    }
-    return best;
-  }
-
   const PairWishes& wishes_;
-  std::span<const std::uint8_t> movable_;
-  double step_;
-  std::vector<std::uint32_t>& ranks_;
-  std::vector<double> positions_;  // ranks, and fractions between them for nodes that moved in this sweep
-  std::vector<NodeId> sequence_;
-  std::vector<std::uint8_t> unsettled_;
-  std::vector<std::uint8_t> violated_;  // some wish of the node was violated when it was last looked at
-  std::vector<Neighbor> before_, after_;
 };
 
 // A pair that hides each other stands twice in both rows: leave the difference in one place and nothing in
@@ -206,7 +101,8 @@ double violated_weight(const PairWishes& wishes, std::span<const std::uint32_t> 
 double sift(const PairWishes& wishes, const SiftOptions& options, std::vector<std::uint32_t>& ranks) {
   const double before = violated_weight(wishes, ranks);
   std::vector<std::uint32_t> trial = ranks;
-  Sifter sifter(wishes, options, trial);
+  FixedRows rows(wishes);
+  Sifter sifter(rows, options, trial);
   double left = before;
   for (std::uint32_t sweep = 0; sweep < options.sweeps && left > 0; ++sweep) {
     stop_if_requested(options.progress);

@@ -231,7 +231,7 @@ class Orderer {
       return std::move(found.clustering);
     }
     Clustering clustering = cluster_acyclically(fine_, options_, result_.statistics, records_);
-    result_.statistics.violated_weight = share_of_weight(clustering.violated);
+    result_.statistics.violated_weight = share_of_weight(clustering.cost);
     return clustering;
   }
 
@@ -257,7 +257,7 @@ class Orderer {
   void record(const BudgetResult& found) {
     record(found.measured);
     result_.statistics.iterations = found.clustering.rounds;
-    result_.statistics.violated_weight = share_of_weight(found.clustering.violated);
+    result_.statistics.violated_weight = share_of_weight(found.clustering.cost);
   }
   void record(const PictureError& measured) {
     result_.statistics.measured_error = measured.ipr;

@@ -42,8 +42,8 @@ TEST(KMeans, NeverEndsWorseThanItsStart) {
       const Clustering start = start_of(problem, count, seed);
       const Clustering end = improve_clustering(problem.graph, start, {});
       const double before = violated(problem.graph, start);
-      EXPECT_LT(end.violated, before);
-      EXPECT_NEAR(end.violated, violated(problem.graph, end), 1e-3 * before);
+      EXPECT_LT(end.cost, before);
+      EXPECT_NEAR(end.cost, violated(problem.graph, end), 1e-3 * before);
       EXPECT_EQ(end.cluster_count(), count);
       for (const auto& ranks : end.ranks) EXPECT_TRUE(testing::is_permutation_of_all(ranks));
       // Every cell has the order that suits it best.
@@ -59,7 +59,7 @@ TEST(KMeans, NeverEndsWorseThanItsStart) {
 TEST(KMeans, OneOrderIsEnoughForAConvexMesh) {
   const Mesh mesh = testing::icosphere_mesh(2);
   const OrderProblem problem = problem_of(mesh);
-  EXPECT_EQ(improve_clustering(problem.graph, start_of(problem, 1, 1), {}).violated, 0.0);
+  EXPECT_EQ(improve_clustering(problem.graph, start_of(problem, 1, 1), {}).cost, 0.0);
 }
 
 TEST(Clustering, UnusedOrdersAreLeftOut) {

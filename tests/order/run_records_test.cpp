@@ -237,7 +237,7 @@ TEST(RunRecords, ValuesComeBackAndCutOnesDoNot) {
   Clustering clustering;
   clustering.cluster_of = {0, 1, 1};
   clustering.ranks = {{2, 0, 1}, {}, {1, 2, 0}};
-  clustering.violated = 0.125;
+  clustering.cost = 0.125;
   clustering.rounds = 7;
   using Map = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
   const Map map{{{1, 2}, 3}, {{4, 5}, 6}};
@@ -254,7 +254,7 @@ TEST(RunRecords, ValuesComeBackAndCutOnesDoNot) {
   ASSERT_TRUE(read(bytes, again, map_again));
   EXPECT_EQ(again.cluster_of, clustering.cluster_of);
   EXPECT_EQ(again.ranks, clustering.ranks);
-  EXPECT_EQ(again.violated, clustering.violated);
+  EXPECT_EQ(again.cost, clustering.cost);
   EXPECT_EQ(again.rounds, clustering.rounds);
   EXPECT_EQ(map_again, map);
   for (std::size_t size = 0; size < bytes.size(); ++size) {

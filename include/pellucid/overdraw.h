@@ -1,0 +1,157 @@
+// pellucid/overdraw.h - room `order`: a few triangle orders that shade little in vain, for all views and poses.
+//
+// In: an opaque mesh and its poses. Out: k orders of its patches and the table that says which of them draws
+// which key frame best from which direction. Every order draws the right picture; good ones draw what is
+// visible first, so that the depth test rejects the rest before it is shaded.
+// Follows: Han, Sander, "Triangle Reordering for Efficient Rendering in Complex Scenes", JCGT 6(3), 2017
+// (OverdrawMethod::paper), and goes beyond it (OverdrawMethod::refined, docs/overdraw.md).
+//
+// Overdraw (OVR) of a picture: fragments shaded / pixels covered, with a strict depth test in drawing order.
+// 1 is the least. Excess overdraw is OVR - 1.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pellucid/base.h"
+#include "pellucid/mesh.h"
+#include "pellucid/view.h"
+
+namespace pellucid {
+
+// One draw call of the model: its triangles are drawn one after the other, with nothing of another part
+// between them.
+struct OverdrawPart {
+  std::uint32_t first_triangle = 0;
+  bool double_sided = false;  // else back faces are culled
+};
+
+struct OverdrawSubject {
+  std::vector<Triangle> triangles;    // of all parts
+  std::vector<OverdrawPart> parts;    // ascending; the first begins at triangle 0
+  // Vertex positions of every pose, all of one size. A static mesh has one.
+  std::vector<std::vector<Vec3f>> frames;
+};
+
+enum class OverdrawMethod {
+  paper,    // Algorithm 1: patches by summed distance
+  refined,  // patches by measured overdraw, cut where it pays
+};
+
+struct OverdrawOptions {
+  OverdrawMethod method = OverdrawMethod::refined;
+  std::uint32_t buffers = 5;
+  // Cuts the cache-friendly order into patches (section 3.1): a patch ends when its misses per triangle fall
+  // below lambda. 3: every triangle is a patch.
+  double lambda = 0.85;
+  // refined: misses per triangle that its orders may have. Unset: those of the paper's method with this
+  // lambda.
+  std::optional<double> acmr;
+  std::uint32_t cache_size = 16;  // FIFO entries
+  std::uint32_t view_level = 2;   // viewpoints: the 10 * 4^n + 2 vertices of an icosphere, 162
+  // Distances of these viewpoints, bounding radii: spread over the range.
+  double min_distance = 1.5, max_distance = 3;
+  std::uint32_t size = 256;  // pixels per side of the pictures that overdraw is counted in
+  // Views that orders are made from; more are only given their best order in the end. 0: all.
+  std::uint32_t most_training_views = 6000;
+  std::uint64_t seed = 1;
+  Progress* progress = nullptr;
+};
+
+struct OverdrawSeconds {
+  double patches = 0, raster = 0, cluster = 0, assign = 0, total = 0;
+};
+
+struct OverdrawRun {
+  std::uint64_t patches = 0;
+  std::uint64_t views = 0, training_views = 0;  // key frames x viewpoints
+  std::uint64_t lists = 0;                      // distinct sequences of patches behind a pixel
+  std::uint32_t iterations = 0;
+  double training_overdraw = 0;  // mean over the training views
+  double acmr = 0;               // mean over the orders
+  OverdrawSeconds seconds;
+  std::uint64_t peak_rss_bytes = 0;
+};
+
+struct OverdrawOrders {
+  // All triangles, patch by patch: patch p is triangles sequence[patch_offsets[p] .. patch_offsets[p + 1]).
+  // Patches in this sequence are the best single order for all views.
+  std::vector<std::uint32_t> sequence;
+  std::vector<std::uint32_t> patch_offsets;
+  std::vector<std::uint32_t> patch_parts;         // part of every patch
+  std::vector<std::vector<std::uint32_t>> orders;  // patches as they are drawn
+  std::vector<BoundingSphere> spheres;             // of every frame: viewpoints are relative to it
+  std::vector<std::uint32_t> cell_orders;          // frames x viewpoints (P[view_level]): index into orders
+  OverdrawRun run;
+};
+
+// Throws Error{nothing_to_do} without triangles or frames, Error{bad_argument} for options that make no sense.
+// Deterministic for any number of threads.
+OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOptions& options);
+
+// Triangles in drawing order.
+std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order);
+
+// The cache-only order: tipsify of every part (Sander, Nehab, Barczak, SIGGRAPH 2007), cache of `cache_size`.
+std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size);
+
+// The overdraw order of Sander et al. 2007 for one pose, without regard to views: `cached` (a cache_order()) in
+// patches of `lambda`, those first that lie outside and face outwards. What the paper applies to every frame
+// by itself ("tipsify").
+std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject, std::uint32_t frame,
+                                                 std::span<const std::uint32_t> cached, double lambda,
+                                                 std::uint32_t cache_size);
+
+// Misses of a first-in first-out vertex cache for triangles in this sequence.
+std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const std::uint32_t> sequence,
+                           std::uint32_t vertex_count, std::uint32_t cache_size);
+
+// Misses per triangle when each of the orders is drawn by itself, mean.
+double acmr_of(const OverdrawSubject& subject, const std::vector<std::vector<std::uint32_t>>& sequences,
+               std::uint32_t cache_size);
+
+// -------------------------------------------------------------------------------------------- measurement
+
+// One way of drawing the subject: where every triangle stands in the sequence that draws a pose from a
+// viewpoint. Called from several threads at once.
+struct OverdrawContender {
+  std::string name;
+  std::function<std::span<const std::uint32_t>(std::uint32_t frame, const Viewpoint& viewpoint)> ranks;
+};
+
+struct OverdrawQuality {
+  std::string name;
+  double mean = 0, max = 0;      // over the pictures that anything was seen in
+  std::vector<double> by_frame;  // mean over its pictures; 0 where nothing was seen
+};
+
+struct OverdrawMeasurement {
+  // Held out: never the seed of anything that trains. Viewpoints within three radii, as in the paper.
+  std::uint32_t viewpoints = 300;
+  double min_distance = 1.5, max_distance = 3;
+  std::uint64_t seed = 20170928;
+  std::uint32_t size = 256;
+  // Pictures in all: where frames x viewpoints are more, every frame is seen from some of the viewpoints, and
+  // every viewpoint sees some of the frames. 0: all.
+  std::uint64_t most_pictures = 0;
+  Progress* progress = nullptr;
+};
+// All contenders on the same pictures, fragment by fragment: it knows nothing of patches, and so checks what
+// order_overdraw() counts.
+std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subject,
+                                                    std::span<const OverdrawContender> contenders,
+                                                    const OverdrawMeasurement& options);
+
+// Fragments shaded at every pixel of one picture, and the pictures of it: see metric.h.
+std::vector<std::uint32_t> shaded_fragments(const OverdrawSubject& subject, std::uint32_t frame,
+                                            const Viewpoint& viewpoint, std::uint32_t size,
+                                            std::span<const std::uint32_t> ranks);
+
+// ranks[triangle] = its place in the sequence.
+std::vector<std::uint32_t> triangle_ranks(std::span<const std::uint32_t> sequence);
+
+}  // namespace pellucid

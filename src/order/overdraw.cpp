@@ -1,0 +1,316 @@
+// Overdraw orders of posed meshes: see pellucid/overdraw.h.
+#include "pellucid/overdraw.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "merge_patches.h"
+#include "overdraw_costs.h"
+
+namespace pellucid {
+namespace {
+
+void check_arguments(const OverdrawSubject& subject, const OverdrawOptions& options) {
+  if (subject.triangles.empty() || subject.frames.empty() || subject.parts.empty())
+    throw Error(ErrorKind::nothing_to_do, "overdraw: there are no triangles to order");
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::bad_argument, what); };
+  if (options.buffers < 1 || options.buffers > 256) refuse("overdraw: 1 to 256 buffers are possible");
+  if (options.cache_size < 3) refuse("overdraw: the vertex cache must hold 3 vertices or more");
+  if (options.view_level > 5) refuse("overdraw: viewpoints: the icosphere's level must be 0 to 5");
+  if (!(options.lambda > 0)) refuse("overdraw: lambda must be positive");
+  if (!(options.min_distance > 1) || !(options.max_distance >= options.min_distance))
+    refuse("overdraw: distances must be more than one bounding radius, the least first");
+  if (options.size < 16 || options.size > 4096) refuse("overdraw: pictures have 16 to 4096 pixels a side");
+}
+
+// Distances are spread over the range by the golden ratio, in another sequence for every pose.
+double distance_of(const OverdrawOptions& options, std::uint32_t frame, std::uint32_t cell) {
+  const double golden = 0.6180339887498949;
+  double whole = 0;
+  const double place = std::modf(golden * (cell + 1) + golden * golden * frame, &whole);
+  return options.min_distance + (options.max_distance - options.min_distance) * place;
+}
+
+// Evenly spread: is the i-th of `all` among about `most` of them?
+bool among(std::uint64_t i, std::uint64_t all, std::uint64_t most) {
+  double whole = 0;
+  const double place = std::modf(0.6180339887498949 * static_cast<double>(i), &whole);
+  return all <= most || place * static_cast<double>(all) < static_cast<double>(most);
+}
+
+class OverdrawOrderer {
+ public:
+  OverdrawOrderer(const OverdrawSubject& subject, const OverdrawOptions& options)
+      : subject_(subject),
+        options_(options),
+        partition_(make_partition({PartitionKind::viewpoints, options.view_level, 0})),
+        spheres_(pose_spheres(subject)) {
+    sift_.progress = options.progress;
+    make_views();
+  }
+
+  OverdrawOrders run() {
+    const Stopwatch watch;
+    Stopwatch lap;
+    const Patches coarse = cut_patches(subject_, cache_order(subject_, options_.cache_size), options_.lambda,
+                                       options_.cache_size);
+    if (options_.method == OverdrawMethod::paper) {
+      run_.seconds.patches = lap.lap();
+      rasterize_training(coarse);
+      run_.seconds.raster = lap.lap();
+      cluster_by_distance();
+    } else {
+      const Patches fine =
+          options_.lambda >= kNoCache
+              ? coarse
+              : cut_patches(subject_, best_cache_order(subject_, options_.cache_size),
+                            std::max(kFineLambda, options_.lambda), options_.cache_size);
+      run_.seconds.patches = lap.lap();
+      rasterize_training(fine);
+      run_.seconds.raster = lap.lap();
+      refine(coarse);
+    }
+    run_.seconds.cluster = lap.lap();
+    OverdrawOrders orders = collected();
+    run_.seconds.assign = lap.lap();
+    run_.seconds.total = watch.seconds();
+    run_.peak_rss_bytes = peak_rss_bytes();
+    orders.run = run_;
+    return orders;
+  }
+
+ private:
+  void make_views() {
+    const std::uint32_t cells = partition_.cell_count();
+    const std::uint64_t all = std::uint64_t{cells} * subject_.frames.size();
+    const std::uint64_t most = options_.most_training_views == 0 ? all : options_.most_training_views;
+    for (std::uint32_t frame = 0; frame < subject_.frames.size(); ++frame) {
+      for (std::uint32_t cell = 0; cell < cells; ++cell) {
+        const Viewpoint viewpoint{cell_direction(partition_, cell), distance_of(options_, frame, cell)};
+        const bool trains = among(std::uint64_t{frame} * cells + cell, all, most);
+        (trains ? training_ : others_).push_back({frame, cell, viewpoint});
+      }
+    }
+    run_.views = all;
+    run_.training_views = training_.size();
+  }
+
+  void rasterize_training(const Patches& patches) {
+    begin_stage(options_.progress, "raster", training_.size());
+    ordered_.patches = patches;
+    ordered_.lists = list_layers(subject_, spheres_, patches, training_, options_.size, options_.progress);
+  }
+
+  // Algorithm 1 of the paper, bootstrapping: directions that keep their distance, orders by the distances of
+  // the mean pose.
+  [[nodiscard]] Clustering start_clusters(const PatchCentroids& centroids, Random& random) const {
+    const std::vector<Vec3d> directions = spread_directions(options_.buffers, random);
+    Clustering start;
+    for (const OverdrawView& view : training_)
+      start.cluster_of.push_back(nearest_direction(directions, view.viewpoint.direction));
+    const double distance = 0.5 * (options_.min_distance + options_.max_distance);
+    for (const Vec3d& direction : directions) {
+      std::vector<double> keys(centroids.patch_count(), 0.0);
+      for (std::uint32_t patch = 0; patch < keys.size(); ++patch) {
+        Vec3d mean;
+        double radius = 0;
+        for (std::uint32_t frame = 0; frame < spheres_.size(); ++frame) {
+          mean += to_double(centroids.at(frame, patch)) - spheres_[frame].center;
+          radius += spheres_[frame].radius;
+        }
+        keys[patch] = length(mean - direction * (distance * radius));
+      }
+      start.ranks.push_back(ranks_by_part(keys, ordered_.patches.parts));
+    }
+    return start;
+  }
+
+  // The rest of Algorithm 1.
+  void cluster_by_distance() {
+    begin_stage(options_.progress, "cluster", 0);
+    Random random(options_.seed);
+    const PatchCentroids centroids(subject_, ordered_.patches);
+    OrderCosts costs;
+    costs.table = [&](const auto& ranks) { return overdraw_table(ordered_.lists, ranks); };
+    costs.reorder = [&](const std::vector<std::uint8_t>& flagged, bool /*last*/, Clustering& clustering) {
+      for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) {
+        stop_if_requested(options_.progress);
+        if (flagged[cluster] == 0) continue;
+        clustering.ranks[cluster] = ranks_by_part(
+            summed_distances(centroids, training_, cells_of_cluster(clustering.cluster_of, cluster), spheres_),
+            ordered_.patches.parts);
+      }
+    };
+    ordered_.clustering = improve_orders(costs, start_clusters(centroids, random), {30, 0.0}).clustering;
+  }
+
+  // Misses per triangle of the paper's orders for these clusters of some training views.
+  [[nodiscard]] double paper_acmr(const Patches& coarse, const Clustering& clustering,
+                                  std::span<const std::uint32_t> some) const {
+    const PatchCentroids centroids(subject_, coarse);
+    std::vector<std::vector<std::uint32_t>> ranks;
+    for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) {
+      std::vector<std::uint32_t> views;
+      for (const std::uint32_t i : cells_of_cluster(clustering.cluster_of, cluster)) views.push_back(some[i]);
+      ranks.push_back(
+          ranks_by_part(summed_distances(centroids, training_, views, spheres_), coarse.parts));
+    }
+    return mean_acmr(subject_, coarse, ranks, options_.cache_size);
+  }
+
+  [[nodiscard]] OrderCosts costs_of(const OrderedPatches& ordered) const {
+    return measured_overdraw(ordered.lists, ordered.patches.parts, sift_);
+  }
+
+  // Patches and first orders from some of the views, orders from all.
+  void refine(const Patches& coarse) {
+    begin_stage(options_.progress, "cluster", 0);
+    std::vector<std::uint32_t> some;
+    for (std::uint32_t view = 0; view < training_.size(); ++view) {
+      if (among(view, training_.size(), kPatchViews)) some.push_back(view);
+    }
+    OrderedPatches few{ordered_.patches, lists_of_views(ordered_.lists, some), {}};
+    few.clustering = best_start(few, some);
+    if (options_.lambda < kNoCache) {
+      MergeOptions merging;
+      merging.acmr = options_.acmr ? *options_.acmr : paper_acmr(coarse, few.clustering, some);
+      merging.cache_size = options_.cache_size;
+      merging.sift = sift_;
+      const std::vector<std::uint32_t> patch_of = merge_patches(subject_, merging, few);
+      ordered_.lists = joined_lists(ordered_.lists, patch_of);
+      ordered_.patches = few.patches;
+    }
+    Clustering all;
+    all.cluster_of.assign(training_.size(), 0);
+    all.ranks = std::move(few.clustering.ranks);
+    ordered_.clustering = improve_orders(costs_of(ordered_), std::move(all), {8, 1e-3}).clustering;
+  }
+
+  // A few rounds from each of some starts; the best of them.
+  [[nodiscard]] Clustering best_start(const OrderedPatches& few, std::span<const std::uint32_t> some) const {
+    Random random(options_.seed);
+    const PatchCentroids centroids(subject_, few.patches);
+    std::optional<Clustering> best;
+    for (int trial = 0; trial < (options_.buffers > 1 ? kStarts : 1); ++trial) {
+      Clustering start = start_clusters(centroids, random);
+      std::vector<std::uint32_t> cluster_of;
+      for (const std::uint32_t view : some) cluster_of.push_back(start.cluster_of[view]);
+      start.cluster_of = std::move(cluster_of);
+      Clustering found = improve_orders(costs_of(few), std::move(start), {kStartRounds, 0.01}).clustering;
+      if (!best || found.cost < best->cost) best = std::move(found);
+    }
+    return *best;
+  }
+
+  // The order that is best for all views together, parts as they are in the mesh.
+  [[nodiscard]] std::vector<std::uint32_t> base_ranks() const {
+    std::vector<std::uint32_t> some;
+    for (std::uint32_t view = 0; view < training_.size(); ++view) {
+      if (among(view, training_.size(), kPatchViews)) some.push_back(view);
+    }
+    const Patches& patches = ordered_.patches;
+    std::vector<std::uint32_t> ranks = ordered_.clustering.ranks.front();
+    if (options_.method == OverdrawMethod::paper) {
+      ranks = ranks_by_part(
+          summed_distances(PatchCentroids(subject_, patches), training_, some, spheres_), patches.parts);
+    } else if (ordered_.clustering.cluster_count() > 1) {
+      const LayerLists lists = lists_of_views(ordered_.lists, some);
+      std::vector<std::uint32_t> all(some.size());
+      std::iota(all.begin(), all.end(), 0U);
+      sift_layers(lists, all, patches.parts, sift_, ranks);
+    }
+    return ranks;
+  }
+
+  [[nodiscard]] OverdrawOrders collected() {
+    const Patches& patches = ordered_.patches;
+    std::vector<std::uint32_t> base(patches.count());
+    std::iota(base.begin(), base.end(), 0U);
+    const std::vector<std::uint32_t> ranks = base_ranks();
+    std::sort(base.begin(), base.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return patches.parts[a] != patches.parts[b] ? patches.parts[a] < patches.parts[b] : ranks[a] < ranks[b];
+    });
+    std::vector<std::uint32_t> number(base.size());
+    for (std::uint32_t i = 0; i < base.size(); ++i) number[base[i]] = i;
+
+    OverdrawOrders orders;
+    orders.spheres = spheres_;
+    orders.sequence = expand(patches, base);
+    orders.patch_offsets.push_back(0);
+    for (const std::uint32_t patch : base) {
+      orders.patch_offsets.push_back(orders.patch_offsets.back() +
+                                     static_cast<std::uint32_t>(patches.triangles_of(patch).size()));
+      orders.patch_parts.push_back(patches.parts[patch]);
+    }
+    ordered_.clustering = without_unused_orders(std::move(ordered_.clustering));
+    const Clustering& clustering = ordered_.clustering;
+    for (const std::vector<std::uint32_t>& of_cluster : clustering.ranks) {
+      orders.orders.push_back(sequence_of(of_cluster));
+      for (std::uint32_t& patch : orders.orders.back()) patch = number[patch];
+    }
+    orders.cell_orders = cell_orders();
+    run_.patches = patches.count();
+    run_.lists = ordered_.lists.pool.count();
+    run_.iterations = clustering.rounds;
+    run_.training_overdraw = 1 + clustering.cost / static_cast<double>(training_.size());
+    run_.acmr = mean_acmr(subject_, patches, clustering.ranks, options_.cache_size);
+    return orders;
+  }
+
+  // Views that took no part in training get the order that is cheapest for them.
+  [[nodiscard]] std::vector<std::uint32_t> cell_orders() const {
+    const std::uint32_t cells = partition_.cell_count();
+    const Clustering& clustering = ordered_.clustering;
+    std::vector<std::uint32_t> orders(std::size_t{cells} * subject_.frames.size(), 0);
+    for (std::size_t i = 0; i < training_.size(); ++i)
+      orders[std::size_t{training_[i].frame} * cells + training_[i].cell] = clustering.cluster_of[i];
+    if (clustering.cluster_count() < 2) return orders;
+    begin_stage(options_.progress, "assign", others_.size());
+    for (std::size_t begin = 0; begin < others_.size(); begin += kViewsAtOnce) {
+      const std::span<const OverdrawView> views =
+          std::span(others_).subspan(begin, std::min(kViewsAtOnce, others_.size() - begin));
+      const LayerLists lists =
+          list_layers(subject_, spheres_, ordered_.patches, views, options_.size, options_.progress);
+      const std::vector<double> table = overdraw_table(lists, clustering.ranks);
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        const double* costs = &table[i * clustering.cluster_count()];
+        orders[std::size_t{views[i].frame} * cells + views[i].cell] =
+            static_cast<std::uint32_t>(std::min_element(costs, costs + clustering.cluster_count()) - costs);
+      }
+    }
+    return orders;
+  }
+
+  // Patches that the refined method starts from have about so many misses per triangle by themselves.
+  static constexpr double kFineLambda = 1.6;
+  // From here on the cache does not count.
+  static constexpr double kNoCache = 3;
+  // Views that patches are chosen on: more hardly change them.
+  static constexpr std::uint64_t kPatchViews = 1500;
+  static constexpr int kStarts = 3;
+  static constexpr std::uint32_t kStartRounds = 12;
+  static constexpr std::size_t kViewsAtOnce = 2048;  // whose lists are in memory
+
+  const OverdrawSubject& subject_;
+  const OverdrawOptions& options_;
+  ViewPartition partition_;
+  std::vector<BoundingSphere> spheres_;  // by frame
+  SiftLayersOptions sift_;
+  std::vector<OverdrawView> training_, others_;
+  OrderedPatches ordered_;  // for the training views
+  OverdrawRun run_;
+};
+
+}  // namespace
+
+OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOptions& options) {
+  check_arguments(subject, options);
+  return OverdrawOrderer(subject, options).run();
+}
+
+std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order) {
+  return expand({orders.sequence, orders.patch_offsets, orders.patch_parts}, orders.orders[order]);
+}
+
+}  // namespace pellucid

@@ -1,0 +1,209 @@
+// Patches: see patches.h.
+#include "patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "cache_walk.h"
+#include "gather_visits.h"
+#include "tipsify.h"
+
+namespace pellucid {
+namespace {
+
+// A FIFO of vertices that can be emptied at once.
+class FifoCache {
+ public:
+  FifoCache(std::size_t vertices, std::uint32_t size) : leaves_at_(vertices, 0), size_(size) {}
+
+  std::uint32_t draw(const Triangle& triangle) {
+    std::uint32_t misses = 0;
+    for (const std::uint32_t vertex : triangle) {
+      if (clock_ < leaves_at_[vertex]) continue;
+      ++misses;
+      leaves_at_[vertex] = ++clock_ + size_;
+    }
+    return misses;
+  }
+  void flush() { clock_ += size_; }
+
+ private:
+  std::vector<std::uint64_t> leaves_at_;  // the miss count at which the vertex is gone
+  std::uint64_t clock_ = 0;
+  std::uint32_t size_;
+};
+
+std::uint32_t end_of_part(const OverdrawSubject& subject, std::size_t part) {
+  return part + 1 < subject.parts.size() ? subject.parts[part + 1].first_triangle
+                                         : static_cast<std::uint32_t>(subject.triangles.size());
+}
+
+}  // namespace
+
+PatchPlaces places_of(const Patches& patches) {
+  PatchPlaces places;
+  places.patch_of.resize(patches.sequence.size());
+  places.place_of.resize(patches.sequence.size());
+  for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
+    for (std::uint32_t i = patches.offsets[patch]; i < patches.offsets[patch + 1]; ++i) {
+      places.patch_of[patches.sequence[i]] = patch;
+      places.place_of[patches.sequence[i]] = i;
+    }
+  }
+  return places;
+}
+
+Patches cut_patches(const OverdrawSubject& subject, std::span<const std::uint32_t> sequence, double lambda,
+                    std::uint32_t cache_size) {
+  const std::vector<std::uint32_t> parts = part_of_triangles(subject);
+  Patches patches;
+  patches.sequence.assign(sequence.begin(), sequence.end());
+  patches.offsets.push_back(0);
+  FifoCache cache(subject.frames.front().size(), cache_size);
+  std::uint32_t misses = 0;
+  for (std::uint32_t i = 0; i < sequence.size(); ++i) {
+    misses += cache.draw(subject.triangles[sequence[i]]);
+    const std::uint32_t part = parts[sequence[i]];
+    const bool part_ends = i + 1 == sequence.size() || parts[sequence[i + 1]] != part;
+    const std::uint32_t triangles = i + 1 - patches.offsets.back();
+    if (!part_ends && !(misses < lambda * triangles) && lambda < 3) continue;
+    patches.offsets.push_back(i + 1);
+    patches.parts.push_back(part);
+    cache.flush();
+    misses = 0;
+  }
+  return patches;
+}
+
+JoinedPatches join_patches(const Patches& patches, std::span<const std::uint8_t> join) {
+  JoinedPatches joined;
+  joined.patches.sequence = patches.sequence;
+  joined.patches.offsets.push_back(0);
+  for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
+    joined.patch_of.push_back(joined.patches.count());
+    if (join[patch] != 0) continue;
+    joined.patches.offsets.push_back(patches.offsets[patch + 1]);
+    joined.patches.parts.push_back(patches.parts[patch]);
+  }
+  return joined;
+}
+
+std::vector<std::uint32_t> expand(const Patches& patches, std::span<const std::uint32_t> drawn) {
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(patches.sequence.size());
+  for (const std::uint32_t patch : drawn) {
+    const auto own = patches.triangles_of(patch);
+    triangles.insert(triangles.end(), own.begin(), own.end());
+  }
+  return triangles;
+}
+
+std::vector<std::uint32_t> part_of_triangles(const OverdrawSubject& subject) {
+  std::vector<std::uint32_t> parts(subject.triangles.size(), 0);
+  for (std::size_t part = 0; part < subject.parts.size(); ++part) {
+    std::fill(parts.begin() + subject.parts[part].first_triangle, parts.begin() + end_of_part(subject, part),
+              static_cast<std::uint32_t>(part));
+  }
+  return parts;
+}
+
+std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const std::uint32_t> sequence,
+                           std::uint32_t vertex_count, std::uint32_t cache_size) {
+  FifoCache cache(vertex_count, cache_size);
+  std::uint64_t misses = 0;
+  for (const std::uint32_t triangle : sequence) misses += cache.draw(triangles[triangle]);
+  return misses;
+}
+
+std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
+  Mesh mesh;
+  mesh.positions = subject.frames.front();
+  mesh.triangles = subject.triangles;
+  const std::size_t nodes = 2 * mesh.triangles.size();
+  const SequenceConstraints none{std::vector<std::uint32_t>(nodes + 1, 0), {}};
+  std::vector<std::uint32_t> ranks(nodes);
+  std::iota(ranks.begin(), ranks.end(), 0U);
+  std::vector<std::uint32_t> sequence;
+  for (std::size_t part = 0; part < subject.parts.size(); ++part) {
+    std::vector<std::uint8_t> drawn(nodes, 0);
+    for (std::uint32_t t = subject.parts[part].first_triangle; t < end_of_part(subject, part); ++t)
+      drawn[node_of(t, false)] = 1;
+    for (const NodeId node : tipsify(mesh, none, ranks, drawn, cache_size))
+      sequence.push_back(triangle_of(node));
+  }
+  return sequence;
+}
+
+std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
+  // No one weighting is best for all meshes; these were, for one or the other of the development models.
+  constexpr std::array<WalkWeights, 4> kWeights{
+      {{1, 0.5, 1}, {1, 0.5, 1.3}, {2, 0.7, 1.3}, {2, 1, 1.3}}};
+  Mesh mesh;
+  mesh.positions = subject.frames.front();
+  mesh.triangles = subject.triangles;
+  const SequenceConstraints none{std::vector<std::uint32_t>(2 * mesh.triangles.size() + 1, 0), {}};
+  const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
+  std::vector<std::uint32_t> sequence;
+  for (std::size_t part = 0; part < subject.parts.size(); ++part) {
+    std::array<NodeSequence, kWeights.size()> trials;
+    parallel_loop(std::size_t{0}, kWeights.size(), [&](std::size_t i) {
+      NodeSequence walk;
+      for (const std::uint32_t triangle :
+           cache_walk(subject.triangles, subject.parts[part].first_triangle, end_of_part(subject, part),
+                      vertices, cache_size, kWeights[i])) {
+        walk.push_back(node_of(triangle, false));
+      }
+      trials[i] = gather_visits(mesh, none, std::move(walk), cache_size);
+    });
+    const NodeSequence& best = *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
+      return fifo_misses(mesh, a, cache_size) < fifo_misses(mesh, b, cache_size);
+    });
+    for (const NodeId node : best) sequence.push_back(triangle_of(node));
+  }
+  return sequence;
+}
+
+std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject, std::uint32_t frame,
+                                                 std::span<const std::uint32_t> cached, double lambda,
+                                                 std::uint32_t cache_size) {
+  const Patches patches = cut_patches(subject, cached, lambda, cache_size);
+  const std::vector<Vec3f>& positions = subject.frames[frame];
+  struct Surface {
+    Vec3d centroid, normal;  // times area
+    double area = 0;
+  };
+  std::vector<Surface> surfaces(patches.count());
+  std::vector<Surface> of_parts(subject.parts.size());
+  for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
+    for (const std::uint32_t triangle : patches.triangles_of(patch)) {
+      const Triangle& t = subject.triangles[triangle];
+      const Vec3d a = to_double(positions[t[0]]), b = to_double(positions[t[1]]), c = to_double(positions[t[2]]);
+      const Vec3d normal = cross(b - a, c - a) * 0.5;
+      const double area = length(normal);
+      if (!std::isfinite(area)) continue;
+      for (Surface* surface : {&surfaces[patch], &of_parts[patches.parts[patch]]}) {
+        surface->centroid += (a + b + c) * (area / 3);
+        surface->normal += normal;
+        surface->area += area;
+      }
+    }
+  }
+  // Outer patches that face outwards first.
+  std::vector<double> keys(patches.count(), 0.0);
+  for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
+    const Surface& whole = of_parts[patches.parts[patch]];
+    const Surface& own = surfaces[patch];
+    if (own.area > 0) keys[patch] = -dot(own.centroid / own.area - whole.centroid / whole.area, normalized(own.normal));
+  }
+  std::vector<std::uint32_t> drawn(patches.count());
+  std::iota(drawn.begin(), drawn.end(), 0U);
+  std::stable_sort(drawn.begin(), drawn.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return patches.parts[a] != patches.parts[b] ? patches.parts[a] < patches.parts[b] : keys[a] < keys[b];
+  });
+  return expand(patches, drawn);
+}
+
+}  // namespace pellucid

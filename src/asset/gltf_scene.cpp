@@ -120,8 +120,7 @@ Mat4 multiply(const Mat4& a, const Mat4& b) {
   return product;
 }
 
-void for_each_node(const Fields& root,
-                   const std::function<void(const Fields& node, const Mat4& world)>& visit) {
+void for_each_node(const Fields& root, const NodeVisitor& visit) {
   const std::vector<std::uint64_t> parents = find_parents(root);
   refuse_cycles(root, parents);
 
@@ -138,7 +137,7 @@ void for_each_node(const Fields& root,
     pending.pop_back();
     const Fields node = root.element("nodes", next.node);
     const Mat4 world = multiply(next.parent_world, local_matrix(node));
-    visit(node, world);
+    visit(node, next.node, world);
     for (std::uint64_t k = node.size("children"); k-- > 0;) {
       pending.push_back({node.element_index("children", k), world});
     }

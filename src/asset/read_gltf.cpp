@@ -62,7 +62,7 @@ class GltfModelReader {
   void read_instances() {
     std::uint64_t skinned = 0;
     std::uint64_t gpu_instanced = 0;
-    for_each_node(root_, [&](const Fields& node, const Mat4& world) {
+    for_each_node(root_, [&](const Fields& node, std::uint64_t /*index*/, const Mat4& world) {
       const auto mesh = node.find_index("mesh");
       if (!mesh) return;
       if (*mesh + 1 >= first_primitive_.size())

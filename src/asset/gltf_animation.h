@@ -1,0 +1,12 @@
+// Internal to the room `asset`: glTF animations become channels and curves.
+#pragma once
+
+#include "accessor_reader.h"
+#include "pellucid/animation.h"
+
+namespace pellucid {
+
+// Fill rig.animations and rig.curves; rig.nodes are there.
+void read_animations(const Fields& root, AccessorReader& accessors, Rig& rig);
+
+}  // namespace pellucid

@@ -26,7 +26,7 @@ configure_package_config_file(
   INSTALL_DESTINATION ${pellucid_package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/pellucidConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/pellucidConfig.cmake ${PROJECT_BINARY_DIR}/pellucidConfigVersion.cmake
-  DESTINATION ${pellucid_package_dir})
+  ${PROJECT_SOURCE_DIR}/cmake/FindOpenSubdivCpu.cmake DESTINATION ${pellucid_package_dir})
 
 # pkg-config: users before what they use, as the linker wants static libraries. Relocatable: the prefix is found
 # from where the file lies.

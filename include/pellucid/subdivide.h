@@ -33,9 +33,10 @@ struct Subdivision {
 // (weld_by_position), with weld[weld[v]] == weld[v]; indices are in range. Two triangles are neighbours where
 // they share a welded edge that they pass in opposite directions: those that share both unwelded vertices
 // first, then the only two that are left. All other edges (with one triangle, with three, where fronts meet
-// backs) are boundaries, so that each piece is an oriented manifold; pieces that share such edges do not come
-// apart along them, but the vertices at their ends may. Deterministic. Throws Error{bad_argument} for more
-// levels or a result of more than 2^28 triangles.
+// backs) are boundaries, so that each piece is an oriented manifold. Boundaries are smoothed along
+// themselves: a triangle by itself becomes round, and pieces that meet stay together where their boundaries
+// run on together. Deterministic. Throws Error{bad_argument} for more levels or a result of more than 2^28
+// triangles.
 Subdivision subdivide_loop(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld,
                            std::uint32_t levels);
 

@@ -10,7 +10,7 @@
 namespace pellucid {
 namespace {
 
-// Spherical and cubic interpolation need more than one accessor type tells.
+// How the values of a path lie in an accessor.
 struct ValueForm {
   const char* type;
   std::uint32_t width;              // numbers per value

@@ -50,7 +50,7 @@ std::vector<Far::Index> faces_by_parent(const Far::TopologyRefiner& refiner, std
     children.reserve(4 * faces.size());
     for (const Far::Index face : faces) {
       const Far::ConstIndexArray next = refiner.GetLevel(static_cast<int>(level)).GetFaceChildFaces(face);
-      for (int k = 0; k < next.size(); ++k) children.push_back(next[k]);
+      children.insert(children.end(), next.begin(), next.end());
     }
     faces = std::move(children);
   }

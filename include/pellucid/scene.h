@@ -1,0 +1,74 @@
+// pellucid/scene.h - room `scene`: what a model draws at a moment of an animation.
+//
+// In: a Model. Out: one list of triangles for all that its scene draws, and its vertices in scene space (that
+// of the default glTF scene) at rest and at any time of any clip: node animation, skins, morph targets, and
+// Loop subdivision on demand. Format: glTF 2.0, sections 3.5, 3.7.3, 3.11 and appendix C.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pellucid/asset.h"
+#include "pellucid/base.h"
+#include "pellucid/mesh.h"
+
+namespace pellucid {
+
+// One drawn instance of a primitive: its triangles and vertices are a run of the model's, up to those of the
+// next part.
+struct ModelPart {
+  std::string name;             // of the primitive
+  std::uint32_t primitive = 0;  // index into Model::primitives
+  std::uint32_t instance = 0;   // index into Model::instances; 0 where the model has none
+  std::uint32_t first_triangle = 0, first_vertex = 0;
+  bool double_sided = false;
+};
+
+// An animation that moves something drawn.
+struct AnimationClip {
+  std::string name;
+  std::uint32_t animation = 0;  // index into Model::animation_names
+  // Seconds, increasing, at least one: the key times of all channels that move something drawn; of times
+  // nearer than 1e-5 s to the one before, that one remains.
+  std::vector<double> key_times;
+};
+
+// Times at a fixed rate (per second), from the clip's first to its last key time, both included; the last
+// step may be shorter. Throws Error{bad_argument} for a rate that is not positive or gives more than a
+// million times.
+std::vector<double> times_at_rate(const AnimationClip& clip, double rate);
+
+struct PosableData;  // opaque
+
+// Copies share their data. All methods may be called from several threads at once.
+class PosableModel {
+ public:
+  // `subdivisions`: Loop levels, 0 .. kMostSubdivisions (pellucid/subdivide.h). Each part is welded by
+  // itself, where positions, joints and morph targets agree, and refined as it lies in the file; joints
+  // follow their weights' stencils. Throws as read_rig does, and Error{bad_argument} where the parts have
+  // more than 2^28 triangles or vertices.
+  explicit PosableModel(const Model& model, std::uint32_t subdivisions = 0);
+
+  // Of all parts, one after the other, in the file's order, indices into the positions. Without subdivision
+  // degenerate triangles are kept; with it those with two corners at one place are left out, and
+  // the 4^subdivisions children of each of the others follow each other. Parts that are mirrored at rest have
+  // their triangles turned, so that fronts are counter-clockwise in scene space.
+  [[nodiscard]] const std::vector<Triangle>& triangles() const;
+  // The instances of triangle primitives; of a model without instances all triangle primitives as they are.
+  [[nodiscard]] const std::vector<ModelPart>& parts() const;
+  [[nodiscard]] const std::vector<AnimationClip>& clips() const;
+
+  [[nodiscard]] std::vector<Vec3f> rest_pose() const;
+  // `time` outside of a channel's key times is clamped to them. `clip` is an index into clips(); throws
+  // Error{bad_argument} for others. `positions` is overwritten; its memory is used again. Positions that are
+  // not finite in the file are not finite here (with subdivision, nor are their neighbours), and those that
+  // leave the range of float32 become infinite.
+  void pose(std::uint32_t clip, double time, std::vector<Vec3f>& positions) const;
+
+ private:
+  std::shared_ptr<const PosableData> data_;
+};
+
+}  // namespace pellucid

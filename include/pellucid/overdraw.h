@@ -1,4 +1,5 @@
-// pellucid/overdraw.h - room `order`: a few triangle orders that shade little in vain, for all views and poses.
+// pellucid/overdraw.h - room `order`: a few triangle orders that shade little in vain, for all views and
+// poses.
 //
 // In: an opaque mesh and its poses. Out: k orders of its patches and the table that says which of them draws
 // which key frame best from which direction. Every order draws the right picture; good ones draw what is
@@ -23,16 +24,13 @@
 
 namespace pellucid {
 
-// One draw call of the model: its triangles are drawn one after the other, with nothing of another part
-// between them.
-struct OverdrawPart {
-  std::uint32_t first_triangle = 0;
-  bool double_sided = false;  // else back faces are culled
-};
-
 struct OverdrawSubject {
-  std::vector<Triangle> triangles;    // of all parts
-  std::vector<OverdrawPart> parts;    // ascending; the first begins at triangle 0
+  std::vector<Triangle> triangles;
+  // Draw calls: the triangles of a part are drawn one after the other, with nothing of another part between
+  // them. The first triangle of every part, ascending from 0.
+  std::vector<std::uint32_t> parts{0};
+  // By triangle: its back is drawn, too. Empty: back faces are culled.
+  std::vector<std::uint8_t> double_sided;
   // Vertex positions of every pose, all of one size. A static mesh has one.
   std::vector<std::vector<Vec3f>> frames;
 };
@@ -58,6 +56,12 @@ struct OverdrawOptions {
   std::uint32_t size = 256;  // pixels per side of the pictures that overdraw is counted in
   // Views that orders are made from; more are only given their best order in the end. 0: all.
   std::uint32_t most_training_views = 6000;
+  // Layers behind pixels, of all these views together, that are kept: of deep models some pixels are left
+  // out. 12 bytes each, at most.
+  std::uint64_t most_layers = 3'000'000;
+  // Views that get an order of their own: of more, only some key frames do, and the others what the nearest
+  // of these has.
+  std::uint64_t most_views = 60'000;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };
@@ -82,15 +86,15 @@ struct OverdrawOrders {
   // Patches in this sequence are the best single order for all views.
   std::vector<std::uint32_t> sequence;
   std::vector<std::uint32_t> patch_offsets;
-  std::vector<std::uint32_t> patch_parts;         // part of every patch
+  std::vector<std::uint32_t> patch_parts;          // part of every patch
   std::vector<std::vector<std::uint32_t>> orders;  // patches as they are drawn
   std::vector<BoundingSphere> spheres;             // of every frame: viewpoints are relative to it
   std::vector<std::uint32_t> cell_orders;          // frames x viewpoints (P[view_level]): index into orders
   OverdrawRun run;
 };
 
-// Throws Error{nothing_to_do} without triangles or frames, Error{bad_argument} for options that make no sense.
-// Deterministic for any number of threads.
+// Throws Error{nothing_to_do} without triangles or frames, Error{bad_argument} for options that make no
+// sense. Deterministic for any number of threads.
 OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOptions& options);
 
 // Triangles in drawing order.
@@ -99,9 +103,9 @@ std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::
 // The cache-only order: tipsify of every part (Sander, Nehab, Barczak, SIGGRAPH 2007), cache of `cache_size`.
 std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size);
 
-// The overdraw order of Sander et al. 2007 for one pose, without regard to views: `cached` (a cache_order()) in
-// patches of `lambda`, those first that lie outside and face outwards. What the paper applies to every frame
-// by itself ("tipsify").
+// The overdraw order of Sander et al. 2007 for one pose, without regard to views: `cached` (a cache_order())
+// in patches of `lambda`, those first that lie outside and face outwards. What the paper applies to every
+// frame by itself ("tipsify").
 std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject, std::uint32_t frame,
                                                  std::span<const std::uint32_t> cached, double lambda,
                                                  std::uint32_t cache_size);

@@ -54,7 +54,8 @@ void save_misses(const OverdrawSubject& subject, const ListPool& pool, std::span
   auto misses = static_cast<double>(fifo_misses(mesh, nodes, cache_size));
   for (int round = 0; round < kRounds; ++round) {
     for (std::uint32_t rank = 0; rank < nodes.size(); ++rank) ranks[triangle_of(nodes[rank])] = rank;
-    nodes = gather_visits(mesh, constraints_of(pool, weighted, ranks), std::move(nodes), cache_size, progress);
+    nodes =
+        gather_visits(mesh, constraints_of(pool, weighted, ranks), std::move(nodes), cache_size, progress);
     const auto after = static_cast<double>(fifo_misses(mesh, nodes, cache_size));
     const bool go_on = after < (1 - kLeastGain) * misses;
     misses = after;

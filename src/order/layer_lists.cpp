@@ -22,6 +22,11 @@ std::uint64_t hash_of(std::span<const Layer> list) {
   return hash;
 }
 
+// One of a `share` of all pixels?
+bool chosen(std::uint64_t pixel, std::uint64_t view, double share) {
+  return Random((view << 32U) + pixel).uniform() < share;
+}
+
 // The lists of one view, or of one thread's part of the work.
 struct LocalLists {
   ListPool pool;
@@ -128,11 +133,11 @@ std::uint32_t ListPool::number_of(std::span<const Layer> list) {
 }
 
 LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingSphere> spheres,
-                       const Patches& patches, std::span<const OverdrawView> views, std::uint32_t size,
-                       Progress* progress) {
+                       const Patches& patches, std::span<const OverdrawView> views,
+                       const ListOptions& options) {
   const PatchPlaces places = places_of(patches);
   tbb::enumerable_thread_specific<PoseRaster> rasters(
-      [&] { return PoseRaster(subject, spheres, size); });
+      [&] { return PoseRaster(subject, spheres, options.size); });
   tbb::enumerable_thread_specific<LayerMaker> makers([&] { return LayerMaker(places); });
   LayerLists lists;
   // Blocks of views in parallel; their lists are numbered one view after the other.
@@ -140,14 +145,15 @@ LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingS
     const std::size_t count = std::min(kViewsPerBlock, views.size() - begin);
     std::vector<LocalLists> block(count);
     parallel_loop(std::size_t{0}, count, [&](std::size_t i) {
-      stop_if_requested(progress);
+      stop_if_requested(options.progress);
       LocalLists& local = block[i];
       LayerMaker& maker = makers.local();
-      rasters.local().draw(views[begin + i], [&](std::uint64_t /*pixel*/, std::span<const Fragment> fragments) {
+      rasters.local().draw(views[begin + i], [&](std::uint64_t pixel, std::span<const Fragment> fragments) {
+        if (options.share < 1 && !chosen(pixel, begin + i, options.share)) return;
         ++local.covered;
         add_to(local, maker.make(fragments), 1);
       });
-      advance_stage(progress, 1);
+      advance_stage(options.progress, 1);
     });
     for (LocalLists& local : block) {
       for (std::uint32_t i = 0; i < local.pool.count(); ++i)

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "patches.h"
-#include "pose_raster.h"
 #include "pellucid/overdraw.h"
 #include "pellucid/raster.h"
+#include "pose_raster.h"
 
 namespace pellucid {
 
@@ -64,10 +64,15 @@ struct LayerLists {
   }
 };
 
+struct ListOptions {
+  std::uint32_t size = 256;  // of the pictures, pixels a side
+  double share = 1;          // of the pixels, chosen at random
+  Progress* progress = nullptr;
+};
 // Rasterises every view once. O(views * raster); the pool and 8 bytes a use are what it keeps.
 LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingSphere> spheres,
-                       const Patches& patches, std::span<const OverdrawView> views, std::uint32_t size,
-                       Progress* progress);
+                       const Patches& patches, std::span<const OverdrawView> views,
+                       const ListOptions& options);
 
 // The lists after patches were joined with their successors: `patch_of` the old ones.
 LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of);

@@ -19,7 +19,10 @@ constexpr double kBatch = 0.3;
 class RunMisses {
  public:
   RunMisses(const OverdrawSubject& subject, const Patches& patches, std::uint32_t cache_size)
-      : subject_(subject), patches_(patches), cache_size_(cache_size), local_(subject.frames.front().size(), kNone) {}
+      : subject_(subject),
+        patches_(patches),
+        cache_size_(cache_size),
+        local_(subject.frames.front().size(), kNone) {}
 
   double of(std::uint32_t first, std::uint32_t last) {
     triangles_.clear();
@@ -135,13 +138,15 @@ std::vector<std::uint8_t> choose_joins(const Patches& patches, std::span<const d
 }
 
 // A joined patch takes the place of that member from which the other is cheaper to reach.
-std::vector<std::uint32_t> joined_ranks(std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> join,
+std::vector<std::uint32_t> joined_ranks(std::span<const std::uint32_t> ranks,
+                                        std::span<const std::uint8_t> join,
                                         std::span<const std::uint32_t> patch_of,
                                         std::span<const JoinCost> costs) {
   std::vector<double> keys(patch_of.back() + 1, 0.0);
   for (std::uint32_t patch = 0; patch < ranks.size(); ++patch) {
     const bool is_second = patch > 0 && join[patch - 1] != 0;
-    const bool gives_way = (join[patch] != 0 && !costs[patch].at_first) || (is_second && costs[patch - 1].at_first);
+    const bool gives_way =
+        (join[patch] != 0 && !costs[patch].at_first) || (is_second && costs[patch - 1].at_first);
     if (!gives_way) keys[patch_of[patch]] = ranks[patch];
   }
   return ranks_by_key(keys);

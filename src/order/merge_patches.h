@@ -19,7 +19,7 @@ namespace pellucid {
 struct MergeOptions {
   double acmr = 0;  // mean over the orders, to get down to
   std::uint32_t cache_size = 16;
-  KOrdersOptions rounds{2, 1e-3};  // of the optimiser, after every batch of joins
+  KOrdersOptions rounds{1, 0};  // of the optimiser, after every batch of joins
   SiftLayersOptions sift;
 };
 

@@ -61,11 +61,10 @@ class OverdrawOrderer {
       run_.seconds.raster = lap.lap();
       cluster_by_distance();
     } else {
-      const Patches fine =
-          options_.lambda >= kNoCache
-              ? coarse
-              : cut_patches(subject_, best_cache_order(subject_, options_.cache_size),
-                            std::max(kFineLambda, options_.lambda), options_.cache_size);
+      const Patches fine = options_.lambda >= kNoCache
+                               ? coarse
+                               : cut_patches(subject_, best_cache_order(subject_, options_.cache_size),
+                                             std::max(kFineLambda, options_.lambda), options_.cache_size);
       run_.seconds.patches = lap.lap();
       rasterize_training(fine);
       run_.seconds.raster = lap.lap();
@@ -89,17 +88,46 @@ class OverdrawOrderer {
       for (std::uint32_t cell = 0; cell < cells; ++cell) {
         const Viewpoint viewpoint{cell_direction(partition_, cell), distance_of(options_, frame, cell)};
         const bool trains = among(std::uint64_t{frame} * cells + cell, all, most);
-        (trains ? training_ : others_).push_back({frame, cell, viewpoint});
+        if (trains) {
+          training_.push_back({frame, cell, viewpoint});
+        } else if (gets_own_order(frame)) {
+          others_.push_back({frame, cell, viewpoint});
+        }
       }
     }
     run_.views = all;
     run_.training_views = training_.size();
   }
 
+  // Key frames at even steps, so that all their views are few enough.
+  [[nodiscard]] bool gets_own_order(std::uint32_t frame) const { return nearest_own(frame) == frame; }
+  [[nodiscard]] std::uint32_t nearest_own(std::uint32_t frame) const {
+    const std::uint64_t views = std::uint64_t{partition_.cell_count()} * subject_.frames.size();
+    const auto step = static_cast<std::uint32_t>((views + options_.most_views - 1) / options_.most_views);
+    const std::uint32_t nearest = (frame + step / 2) / step * step;
+    return nearest < subject_.frames.size() ? nearest : nearest - step;
+  }
+
   void rasterize_training(const Patches& patches) {
     begin_stage(options_.progress, "raster", training_.size());
     ordered_.patches = patches;
-    ordered_.lists = list_layers(subject_, spheres_, patches, training_, options_.size, options_.progress);
+    ordered_.lists = list_layers(subject_, spheres_, patches, training_,
+                                 {options_.size, affordable_share(patches), options_.progress});
+  }
+
+  // Of the pixels, so that the lists of all training views hold no more layers than they may.
+  [[nodiscard]] double affordable_share(const Patches& patches) const {
+    std::vector<OverdrawView> pilot;
+    for (std::size_t i = 0; i < training_.size(); ++i) {
+      if (among(i, training_.size(), kPilotViews)) pilot.push_back(training_[i]);
+    }
+    const LayerLists lists = list_layers(subject_, spheres_, patches, pilot, {options_.size, 1, nullptr});
+    std::uint64_t layers = 0;
+    for (const ListUse& use : lists.uses) layers += lists.pool.list(use.list).size() + 1;
+    const double all = static_cast<double>(layers) * static_cast<double>(training_.size()) /
+                       static_cast<double>(pilot.size());
+    return all > static_cast<double>(options_.most_layers) ? static_cast<double>(options_.most_layers) / all
+                                                           : 1;
   }
 
   // Algorithm 1 of the paper, bootstrapping: directions that keep their distance, orders by the distances of
@@ -137,9 +165,10 @@ class OverdrawOrderer {
       for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) {
         stop_if_requested(options_.progress);
         if (flagged[cluster] == 0) continue;
-        clustering.ranks[cluster] = ranks_by_part(
-            summed_distances(centroids, training_, cells_of_cluster(clustering.cluster_of, cluster), spheres_),
-            ordered_.patches.parts);
+        clustering.ranks[cluster] =
+            ranks_by_part(summed_distances(centroids, training_,
+                                           cells_of_cluster(clustering.cluster_of, cluster), spheres_),
+                          ordered_.patches.parts);
       }
     };
     ordered_.clustering = improve_orders(costs, start_clusters(centroids, random), {30, 0.0}).clustering;
@@ -153,14 +182,15 @@ class OverdrawOrderer {
     for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) {
       std::vector<std::uint32_t> views;
       for (const std::uint32_t i : cells_of_cluster(clustering.cluster_of, cluster)) views.push_back(some[i]);
-      ranks.push_back(
-          ranks_by_part(summed_distances(centroids, training_, views, spheres_), coarse.parts));
+      ranks.push_back(ranks_by_part(summed_distances(centroids, training_, views, spheres_), coarse.parts));
     }
     return mean_acmr(subject_, coarse, ranks, options_.cache_size);
   }
 
-  [[nodiscard]] OrderCosts costs_of(const OrderedPatches& ordered) const {
-    return measured_overdraw(ordered.lists, ordered.patches.parts, sift_);
+  [[nodiscard]] OrderCosts costs_of(const OrderedPatches& ordered, std::uint32_t sweeps) const {
+    SiftLayersOptions sifting = sift_;
+    sifting.sweeps = sweeps;
+    return measured_overdraw(ordered.lists, ordered.patches.parts, sifting);
   }
 
   // Patches and first orders from some of the views, orders from all.
@@ -174,9 +204,11 @@ class OverdrawOrderer {
     few.clustering = best_start(few, some);
     if (options_.lambda < kNoCache) {
       MergeOptions merging;
-      merging.acmr = options_.acmr ? *options_.acmr : paper_acmr(coarse, few.clustering, some);
+      merging.acmr =
+          kAcmrMargin * (options_.acmr ? *options_.acmr : paper_acmr(coarse, few.clustering, some));
       merging.cache_size = options_.cache_size;
       merging.sift = sift_;
+      merging.sift.sweeps = kFirstSweeps;
       const std::vector<std::uint32_t> patch_of = merge_patches(subject_, merging, few);
       ordered_.lists = joined_lists(ordered_.lists, patch_of);
       ordered_.patches = few.patches;
@@ -184,7 +216,8 @@ class OverdrawOrderer {
     Clustering all;
     all.cluster_of.assign(training_.size(), 0);
     all.ranks = std::move(few.clustering.ranks);
-    ordered_.clustering = improve_orders(costs_of(ordered_), std::move(all), {8, 1e-3}).clustering;
+    ordered_.clustering =
+        improve_orders(costs_of(ordered_, kLastSweeps), std::move(all), {5, 2e-3}).clustering;
   }
 
   // A few rounds from each of some starts; the best of them.
@@ -197,7 +230,8 @@ class OverdrawOrderer {
       std::vector<std::uint32_t> cluster_of;
       for (const std::uint32_t view : some) cluster_of.push_back(start.cluster_of[view]);
       start.cluster_of = std::move(cluster_of);
-      Clustering found = improve_orders(costs_of(few), std::move(start), {kStartRounds, 0.01}).clustering;
+      Clustering found =
+          improve_orders(costs_of(few, kFirstSweeps), std::move(start), {kStartRounds, 0.02}).clustering;
       if (!best || found.cost < best->cost) best = std::move(found);
     }
     return *best;
@@ -212,8 +246,8 @@ class OverdrawOrderer {
     const Patches& patches = ordered_.patches;
     std::vector<std::uint32_t> ranks = ordered_.clustering.ranks.front();
     if (options_.method == OverdrawMethod::paper) {
-      ranks = ranks_by_part(
-          summed_distances(PatchCentroids(subject_, patches), training_, some, spheres_), patches.parts);
+      ranks = ranks_by_part(summed_distances(PatchCentroids(subject_, patches), training_, some, spheres_),
+                            patches.parts);
     } else if (ordered_.clustering.cluster_count() > 1) {
       const LayerLists lists = lists_of_views(ordered_.lists, some);
       std::vector<std::uint32_t> all(some.size());
@@ -266,18 +300,25 @@ class OverdrawOrderer {
     for (std::size_t i = 0; i < training_.size(); ++i)
       orders[std::size_t{training_[i].frame} * cells + training_[i].cell] = clustering.cluster_of[i];
     if (clustering.cluster_count() < 2) return orders;
+    std::vector<std::uint8_t> known(orders.size(), 0);
+    for (const OverdrawView& view : training_) known[std::size_t{view.frame} * cells + view.cell] = 1;
     begin_stage(options_.progress, "assign", others_.size());
     for (std::size_t begin = 0; begin < others_.size(); begin += kViewsAtOnce) {
       const std::span<const OverdrawView> views =
           std::span(others_).subspan(begin, std::min(kViewsAtOnce, others_.size() - begin));
       const LayerLists lists =
-          list_layers(subject_, spheres_, ordered_.patches, views, options_.size, options_.progress);
+          list_layers(subject_, spheres_, ordered_.patches, views, {options_.size, 1, options_.progress});
       const std::vector<double> table = overdraw_table(lists, clustering.ranks);
       for (std::size_t i = 0; i < views.size(); ++i) {
         const double* costs = &table[i * clustering.cluster_count()];
         orders[std::size_t{views[i].frame} * cells + views[i].cell] =
             static_cast<std::uint32_t>(std::min_element(costs, costs + clustering.cluster_count()) - costs);
+        known[std::size_t{views[i].frame} * cells + views[i].cell] = 1;
       }
+    }
+    for (std::size_t i = 0; i < orders.size(); ++i) {
+      const auto frame = static_cast<std::uint32_t>(i / cells);
+      if (known[i] == 0) orders[i] = orders[std::size_t{nearest_own(frame)} * cells + i % cells];
     }
     return orders;
   }
@@ -287,9 +328,15 @@ class OverdrawOrderer {
   // From here on the cache does not count.
   static constexpr double kNoCache = 3;
   // Views that patches are chosen on: more hardly change them.
-  static constexpr std::uint64_t kPatchViews = 1500;
+  static constexpr std::uint64_t kPatchViews = 1000;
+  // Views that tell how deep the pixels are.
+  static constexpr std::uint64_t kPilotViews = 32;
+  // Orders for all views have slightly other misses than those for some.
+  static constexpr double kAcmrMargin = 0.994;
   static constexpr int kStarts = 3;
-  static constexpr std::uint32_t kStartRounds = 12;
+  static constexpr std::uint32_t kStartRounds = 6;
+  // Of sifting: orders change again anyway, and in the end.
+  static constexpr std::uint32_t kFirstSweeps = 3, kLastSweeps = 8;
   static constexpr std::size_t kViewsAtOnce = 2048;  // whose lists are in memory
 
   const OverdrawSubject& subject_;

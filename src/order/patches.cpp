@@ -37,7 +37,7 @@ class FifoCache {
 };
 
 std::uint32_t end_of_part(const OverdrawSubject& subject, std::size_t part) {
-  return part + 1 < subject.parts.size() ? subject.parts[part + 1].first_triangle
+  return part + 1 < subject.parts.size() ? subject.parts[part + 1]
                                          : static_cast<std::uint32_t>(subject.triangles.size());
 }
 
@@ -64,17 +64,24 @@ Patches cut_patches(const OverdrawSubject& subject, std::span<const std::uint32_
   patches.offsets.push_back(0);
   FifoCache cache(subject.frames.front().size(), cache_size);
   std::uint32_t misses = 0;
-  for (std::uint32_t i = 0; i < sequence.size(); ++i) {
-    misses += cache.draw(subject.triangles[sequence[i]]);
-    const std::uint32_t part = parts[sequence[i]];
-    const bool part_ends = i + 1 == sequence.size() || parts[sequence[i + 1]] != part;
-    const std::uint32_t triangles = i + 1 - patches.offsets.back();
-    if (!part_ends && !(misses < lambda * triangles) && lambda < 3) continue;
-    patches.offsets.push_back(i + 1);
-    patches.parts.push_back(part);
+  const auto end_patch = [&](std::uint32_t end) {
+    patches.parts.push_back(parts[sequence[end - 1]]);
+    patches.offsets.push_back(end);
     cache.flush();
     misses = 0;
+  };
+  for (std::uint32_t i = 0; i < sequence.size(); ++i) {
+    const std::uint32_t begin = patches.offsets.back();
+    std::uint32_t own = cache.draw(subject.triangles[sequence[i]]);
+    const bool part_begins = i > begin && parts[sequence[i]] != parts[sequence[i - 1]];
+    if (part_begins || (i > begin && own == 3)) {
+      end_patch(i);
+      own = cache.draw(subject.triangles[sequence[i]]);
+    }
+    misses += own;
+    if (lambda >= 3 || misses < lambda * (i + 1 - patches.offsets.back())) end_patch(i + 1);
   }
+  if (patches.offsets.back() < sequence.size()) end_patch(static_cast<std::uint32_t>(sequence.size()));
   return patches;
 }
 
@@ -104,7 +111,7 @@ std::vector<std::uint32_t> expand(const Patches& patches, std::span<const std::u
 std::vector<std::uint32_t> part_of_triangles(const OverdrawSubject& subject) {
   std::vector<std::uint32_t> parts(subject.triangles.size(), 0);
   for (std::size_t part = 0; part < subject.parts.size(); ++part) {
-    std::fill(parts.begin() + subject.parts[part].first_triangle, parts.begin() + end_of_part(subject, part),
+    std::fill(parts.begin() + subject.parts[part], parts.begin() + end_of_part(subject, part),
               static_cast<std::uint32_t>(part));
   }
   return parts;
@@ -129,7 +136,7 @@ std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint
   std::vector<std::uint32_t> sequence;
   for (std::size_t part = 0; part < subject.parts.size(); ++part) {
     std::vector<std::uint8_t> drawn(nodes, 0);
-    for (std::uint32_t t = subject.parts[part].first_triangle; t < end_of_part(subject, part); ++t)
+    for (std::uint32_t t = subject.parts[part]; t < end_of_part(subject, part); ++t)
       drawn[node_of(t, false)] = 1;
     for (const NodeId node : tipsify(mesh, none, ranks, drawn, cache_size))
       sequence.push_back(triangle_of(node));
@@ -139,8 +146,7 @@ std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint
 
 std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
   // No one weighting is best for all meshes; these were, for one or the other of the development models.
-  constexpr std::array<WalkWeights, 4> kWeights{
-      {{1, 0.5, 1}, {1, 0.5, 1.3}, {2, 0.7, 1.3}, {2, 1, 1.3}}};
+  constexpr std::array<WalkWeights, 4> kWeights{{{1, 0.5, 1}, {1, 0.5, 1.3}, {2, 0.7, 1.3}, {2, 1, 1.3}}};
   Mesh mesh;
   mesh.positions = subject.frames.front();
   mesh.triangles = subject.triangles;
@@ -152,15 +158,16 @@ std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std:
     parallel_loop(std::size_t{0}, kWeights.size(), [&](std::size_t i) {
       NodeSequence walk;
       for (const std::uint32_t triangle :
-           cache_walk(subject.triangles, subject.parts[part].first_triangle, end_of_part(subject, part),
-                      vertices, cache_size, kWeights[i])) {
+           cache_walk(subject.triangles, subject.parts[part], end_of_part(subject, part), vertices,
+                      cache_size, kWeights[i])) {
         walk.push_back(node_of(triangle, false));
       }
       trials[i] = gather_visits(mesh, none, std::move(walk), cache_size);
     });
-    const NodeSequence& best = *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
-      return fifo_misses(mesh, a, cache_size) < fifo_misses(mesh, b, cache_size);
-    });
+    const NodeSequence& best =
+        *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
+          return fifo_misses(mesh, a, cache_size) < fifo_misses(mesh, b, cache_size);
+        });
     for (const NodeId node : best) sequence.push_back(triangle_of(node));
   }
   return sequence;
@@ -180,7 +187,8 @@ std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject,
   for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
     for (const std::uint32_t triangle : patches.triangles_of(patch)) {
       const Triangle& t = subject.triangles[triangle];
-      const Vec3d a = to_double(positions[t[0]]), b = to_double(positions[t[1]]), c = to_double(positions[t[2]]);
+      const Vec3d a = to_double(positions[t[0]]), b = to_double(positions[t[1]]),
+                  c = to_double(positions[t[2]]);
       const Vec3d normal = cross(b - a, c - a) * 0.5;
       const double area = length(normal);
       if (!std::isfinite(area)) continue;
@@ -196,7 +204,8 @@ std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject,
   for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
     const Surface& whole = of_parts[patches.parts[patch]];
     const Surface& own = surfaces[patch];
-    if (own.area > 0) keys[patch] = -dot(own.centroid / own.area - whole.centroid / whole.area, normalized(own.normal));
+    if (own.area > 0)
+      keys[patch] = -dot(own.centroid / own.area - whole.centroid / whole.area, normalized(own.normal));
   }
   std::vector<std::uint32_t> drawn(patches.count());
   std::iota(drawn.begin(), drawn.end(), 0U);

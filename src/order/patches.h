@@ -31,7 +31,8 @@ struct PatchPlaces {
 PatchPlaces places_of(const Patches& patches);
 
 // Cut `sequence` (whole parts, one after the other) into patches: one ends when its misses per triangle, the
-// cache being empty before it, fall below lambda.
+// cache being empty before it, fall below lambda, and where that costs nothing because the next triangle has
+// no vertex in the cache.
 Patches cut_patches(const OverdrawSubject& subject, std::span<const std::uint32_t> sequence, double lambda,
                     std::uint32_t cache_size);
 

@@ -20,12 +20,6 @@ PoseRaster::PoseRaster(const OverdrawSubject& subject, std::span<const BoundingS
                        std::uint32_t size)
     : subject_(subject), spheres_(spheres), size_(size) {
   mesh_.triangles = subject.triangles;
-  const std::vector<std::uint32_t> parts = part_of_triangles(subject);
-  for (const OverdrawPart& part : subject.parts) {
-    if (part.double_sided) double_sided_.assign(parts.size(), 0);
-  }
-  for (std::size_t t = 0; t < double_sided_.size(); ++t)
-    double_sided_[t] = subject.parts[parts[t]].double_sided ? 1 : 0;
 }
 
 void PoseRaster::draw(const OverdrawView& view,
@@ -34,7 +28,8 @@ void PoseRaster::draw(const OverdrawView& view,
     mesh_.positions = subject_.frames[view.frame];
     frame_ = view.frame;
   }
-  const bool all_culled = double_sided_.empty();
+  const std::vector<std::uint8_t>& double_sided = subject_.double_sided;
+  const bool all_culled = double_sided.empty();
   rasterize(mesh_, look_at_sphere(spheres_[view.frame], view.viewpoint, size_, size_),
             {all_culled ? Culling::back : Culling::none}, buffer_);
   const std::uint64_t pixels = std::uint64_t{size_} * size_;
@@ -43,7 +38,7 @@ void PoseRaster::draw(const OverdrawView& view,
     if (!all_culled) {
       visible_.clear();
       for (const Fragment& fragment : fragments) {
-        if ((fragment.node & 1U) == 0 || double_sided_[fragment.node / 2] != 0) visible_.push_back(fragment);
+        if ((fragment.node & 1U) == 0 || double_sided[fragment.node / 2] != 0) visible_.push_back(fragment);
       }
       fragments = visible_;
     }

@@ -34,7 +34,6 @@ class PoseRaster {
   std::uint32_t size_;
   Mesh mesh_;
   std::uint32_t frame_ = 0xFFFFFFFFU;
-  std::vector<std::uint8_t> double_sided_;  // by triangle; empty: none is
   FragmentBuffer buffer_;
   std::vector<Fragment> visible_;
 };

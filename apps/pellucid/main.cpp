@@ -23,6 +23,7 @@ int fail(int code, const std::string& message) {
 
 void add_commands(CLI::App& app, Chosen& chosen) {
   add_order_command(app, chosen);
+  add_overdraw_command(app, chosen);
   add_measure_command(app, chosen);
   add_inspect_command(app, chosen);
   add_render_command(app, chosen);

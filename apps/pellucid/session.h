@@ -70,6 +70,7 @@ CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, co
                       const std::string& examples, std::uint64_t default_seed, Work work);
 
 void add_order_command(CLI::App& app, Chosen& chosen);
+void add_overdraw_command(CLI::App& app, Chosen& chosen);
 void add_measure_command(CLI::App& app, Chosen& chosen);
 void add_inspect_command(CLI::App& app, Chosen& chosen);
 void add_render_command(CLI::App& app, Chosen& chosen);

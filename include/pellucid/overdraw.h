@@ -97,6 +97,11 @@ struct OverdrawOrders {
 // sense. Deterministic for any number of threads.
 OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOptions& options);
 
+// The cheapest of these orders for every frame of `poses` and every viewpoint: frames x viewpoints. `poses`
+// has the triangles and parts that the orders were made for. O(frames * viewpoints * raster).
+std::vector<std::uint32_t> cheapest_orders(const OverdrawSubject& poses, const OverdrawOrders& orders,
+                                           const OverdrawOptions& options);
+
 // Triangles in drawing order.
 std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order);
 

@@ -1,7 +1,8 @@
-// pellucid/overdraw_report.h - room `report`: overdraw orders beside their rivals, as a table, JSON and a page.
+// pellucid/overdraw_report.h - room `report`: overdraw orders beside their rivals, as a table, JSON and a
+// page.
 //
-// In: a posed subject and the orders made for it. Out: what they cost on held-out views and poses, beside what
-// programs do without them. The keys of the JSON are a contract (docs/json.md).
+// In: a posed subject and the orders made for it. Out: what they cost on held-out views and poses, beside
+// what programs do without them. The keys of the JSON are a contract (docs/json.md).
 #pragma once
 
 #include <cstdint>
@@ -38,9 +39,9 @@ OverdrawSets order_overdraw_sets(const OverdrawSubject& subject, const std::vect
 struct OverdrawRival {
   std::string name;  // "refined", "paper", "single", "per-frame", "meshopt", "original", "input"
   std::uint32_t buffers = 1;
-  double acmr = 0;                                   // mean over its buffers
-  std::vector<std::vector<std::uint32_t>> ranks;     // of every buffer, by triangle
-  OverdrawContender contender;                       // refers to `ranks` by shared data of its own
+  double acmr = 0;                                // mean over its buffers
+  std::vector<std::vector<std::uint32_t>> ranks;  // of every buffer, by triangle
+  OverdrawContender contender;                    // refers to `ranks` by shared data of its own
 };
 OverdrawRival rival_of(const std::string& name, const OverdrawSubject& subject, OverdrawSets sets,
                        std::uint32_t cache_size);
@@ -49,23 +50,23 @@ struct RivalOptions {
   std::vector<std::string> names;  // of "input", "original", "meshopt", "per-frame", "single", "paper"
   OverdrawOptions orders;          // lambda, cache, buffers, seed: those of the orders they stand beside
   bool joint = true;
-  double acmr = 0;  // meshopt: with the threshold that gives it at least so many misses per triangle
+  double acmr = 0;          // meshopt: with the threshold that gives it at least so many misses per triangle
   std::vector<Vec3f> rest;  // vertices of the rest pose: what meshopt is given
 };
 std::vector<OverdrawRival> make_overdraw_rivals(const OverdrawSubject& subject,
                                                 const std::vector<PosedFrame>& frames,
                                                 const RivalOptions& options);
 // meshopt_optimizeVertexCache and meshopt_optimizeOverdraw of every part.
-std::vector<std::uint32_t> meshopt_overdraw_order(const OverdrawSubject& subject, const std::vector<Vec3f>& rest,
-                                                  float threshold);
+std::vector<std::uint32_t> meshopt_overdraw_order(const OverdrawSubject& subject,
+                                                  const std::vector<Vec3f>& rest, float threshold);
 
 // One row of the table.
 struct OverdrawRow {
   std::string name;
   std::uint32_t buffers = 1;
   double acmr = 0;
-  OverdrawQuality key_frames;               // held-out views of the key frames
-  std::optional<OverdrawQuality> between;   // held-out views of poses between key frames
+  OverdrawQuality key_frames;              // held-out views of the key frames
+  std::optional<OverdrawQuality> between;  // held-out views of poses between key frames
 };
 
 struct OverdrawReport {
@@ -85,7 +86,7 @@ struct OverdrawReport {
   std::uint32_t iterations = 0;
   std::uint32_t measured_viewpoints = 0;
   std::uint64_t measured_pictures = 0;
-  std::vector<OverdrawRow> rows;  // the orders that were made come first
+  std::vector<OverdrawRow> rows;   // the orders that were made come first
   std::uint64_t memory_bytes = 0;  // of all index buffers, when drawn
   std::uint64_t disk_bytes = 0, file_bytes = 0;
   std::vector<std::string> files, notes;
@@ -101,7 +102,7 @@ std::string to_json(const OverdrawReport& report);
 // The picture of one view: how often a pixel was shaded in vain, from pale (never) to dark (figure 1 of the
 // paper). `shaded` as shaded_fragments() gives it.
 struct HeatMap {
-  std::string label;      // "paper, run 0.40 s: 1.153"
+  std::string label;       // "paper, run 0.40 s: 1.153"
   std::uint32_t size = 0;  // pixels a side
   std::vector<std::uint32_t> shaded;
 };

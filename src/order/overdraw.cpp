@@ -39,6 +39,26 @@ bool among(std::uint64_t i, std::uint64_t all, std::uint64_t most) {
   return all <= most || place * static_cast<double>(all) < static_cast<double>(most);
 }
 
+// The cheapest order for every view, a few thousand at a time so that their lists fit into memory.
+std::vector<std::uint32_t> cheapest_for(const OverdrawSubject& subject,
+                                        std::span<const BoundingSphere> spheres, const Patches& patches,
+                                        const std::vector<std::vector<std::uint32_t>>& ranks,
+                                        std::span<const OverdrawView> views, const ListOptions& options) {
+  constexpr std::size_t kViewsAtOnce = 2048;
+  std::vector<std::uint32_t> cheapest;
+  for (std::size_t begin = 0; begin < views.size(); begin += kViewsAtOnce) {
+    const std::span<const OverdrawView> some =
+        views.subspan(begin, std::min(kViewsAtOnce, views.size() - begin));
+    const std::vector<double> table =
+        overdraw_table(list_layers(subject, spheres, patches, some, options), ranks);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const double* costs = &table[i * ranks.size()];
+      cheapest.push_back(static_cast<std::uint32_t>(std::min_element(costs, costs + ranks.size()) - costs));
+    }
+  }
+  return cheapest;
+}
+
 class OverdrawOrderer {
  public:
   OverdrawOrderer(const OverdrawSubject& subject, const OverdrawOptions& options)
@@ -303,18 +323,13 @@ class OverdrawOrderer {
     std::vector<std::uint8_t> known(orders.size(), 0);
     for (const OverdrawView& view : training_) known[std::size_t{view.frame} * cells + view.cell] = 1;
     begin_stage(options_.progress, "assign", others_.size());
-    for (std::size_t begin = 0; begin < others_.size(); begin += kViewsAtOnce) {
-      const std::span<const OverdrawView> views =
-          std::span(others_).subspan(begin, std::min(kViewsAtOnce, others_.size() - begin));
-      const LayerLists lists =
-          list_layers(subject_, spheres_, ordered_.patches, views, {options_.size, 1, options_.progress});
-      const std::vector<double> table = overdraw_table(lists, clustering.ranks);
-      for (std::size_t i = 0; i < views.size(); ++i) {
-        const double* costs = &table[i * clustering.cluster_count()];
-        orders[std::size_t{views[i].frame} * cells + views[i].cell] =
-            static_cast<std::uint32_t>(std::min_element(costs, costs + clustering.cluster_count()) - costs);
-        known[std::size_t{views[i].frame} * cells + views[i].cell] = 1;
-      }
+    const std::vector<std::uint32_t> cheapest =
+        cheapest_for(subject_, spheres_, ordered_.patches, clustering.ranks, others_,
+                     {options_.size, 1, options_.progress});
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      const std::size_t at = std::size_t{others_[i].frame} * cells + others_[i].cell;
+      orders[at] = cheapest[i];
+      known[at] = 1;
     }
     for (std::size_t i = 0; i < orders.size(); ++i) {
       const auto frame = static_cast<std::uint32_t>(i / cells);
@@ -337,7 +352,6 @@ class OverdrawOrderer {
   static constexpr std::uint32_t kStartRounds = 6;
   // Of sifting: orders change again anyway, and in the end.
   static constexpr std::uint32_t kFirstSweeps = 3, kLastSweeps = 8;
-  static constexpr std::size_t kViewsAtOnce = 2048;  // whose lists are in memory
 
   const OverdrawSubject& subject_;
   const OverdrawOptions& options_;
@@ -354,6 +368,20 @@ class OverdrawOrderer {
 OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOptions& options) {
   check_arguments(subject, options);
   return OverdrawOrderer(subject, options).run();
+}
+
+std::vector<std::uint32_t> cheapest_orders(const OverdrawSubject& poses, const OverdrawOrders& orders,
+                                           const OverdrawOptions& options) {
+  const ViewPartition partition = make_partition({PartitionKind::viewpoints, options.view_level, 0});
+  std::vector<OverdrawView> views;
+  for (std::uint32_t frame = 0; frame < poses.frames.size(); ++frame) {
+    for (std::uint32_t cell = 0; cell < partition.cell_count(); ++cell)
+      views.push_back({frame, cell, {cell_direction(partition, cell), distance_of(options, frame, cell)}});
+  }
+  std::vector<std::vector<std::uint32_t>> ranks;
+  for (const std::vector<std::uint32_t>& order : orders.orders) ranks.push_back(triangle_ranks(order));
+  return cheapest_for(poses, pose_spheres(poses), {orders.sequence, orders.patch_offsets, orders.patch_parts},
+                      ranks, views, {options.size, 1, options.progress});
 }
 
 std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order) {

@@ -1,0 +1,447 @@
+// pellucid overdraw: a few triangle orders that shade little in vain, for static and animated models.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <sstream>
+
+#include "choice.h"
+#include "cleaned.h"
+#include "order_options.h"
+#include "overdraw_subject.h"
+#include "pellucid/metric.h"
+#include "pellucid/report.h"
+#include "pellucid/subdivide.h"
+#include "selection.h"
+#include "session.h"
+#include "terminal_progress.h"
+
+namespace pellucid::cli {
+namespace {
+
+struct OverdrawCommandOptions {
+  std::string input, output;
+  std::string report, chart, heatmaps;  // files to write
+  OverdrawOptions orders;
+  bool buffers_given = false, lambda_given = false;
+  std::uint32_t viewpoints = 0;  // 0: by what the model is
+  bool joint = false, per_animation = false;
+  SubjectOptions subject;
+  std::string baselines = "all";
+  std::uint32_t measured_viewpoints = 300;
+  std::uint64_t pictures = 3000;
+  WriteOptions write;
+};
+
+std::vector<std::string> rival_names(const std::string& text) {
+  if (text == "none") return {};
+  if (text == "all") return {"original", "meshopt", "per-frame", "single", "paper"};
+  std::vector<std::string> names;
+  std::istringstream stream(text);
+  for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
+  return names;
+}
+
+std::uint32_t level_of(std::uint32_t viewpoints) {
+  for (std::uint32_t level = 0; level <= 3; ++level) {
+    if (viewpoints == 10U * (1U << (2 * level)) + 2) return level;
+  }
+  throw Error(ErrorKind::bad_argument,
+              fmt::format("--viewpoints: {} is none of 12, 42, 162, 642", viewpoints));
+}
+
+// What was not said depends on whether anything moves.
+void settle(OverdrawCommandOptions& options, const PosedSubject& posed) {
+  const bool is_static = posed.clips.empty();
+  OverdrawOptions& orders = options.orders;
+  if (is_static && !options.buffers_given) orders.buffers = 1;
+  // A single order for all views is judged by more of them: they are cheap for one pose.
+  orders.view_level = options.viewpoints > 0 ? level_of(options.viewpoints) : is_static ? 3 : 2;
+  if (is_static && orders.method == OverdrawMethod::refined && !options.lambda_given && !orders.acmr) {
+    // A drop-in for meshopt_optimizeOverdraw at its usual threshold.
+    constexpr float kUsualThreshold = 1.05F;
+    orders.acmr = acmr_of(
+        posed.subject, {meshopt_overdraw_order(posed.subject, posed.rest, kUsualThreshold)}, orders.cache_size);
+  }
+}
+
+// Everything that was made or built, by name.
+struct Contest {
+  std::vector<OverdrawRival> rivals;  // ours first, then the file's own order
+};
+
+Contest enter_contest(const OverdrawCommandOptions& options, const PosedSubject& posed,
+                      const OverdrawSets& sets) {
+  Contest contest;
+  const std::string own = options.orders.method == OverdrawMethod::paper ? "paper" : "refined";
+  contest.rivals.push_back(rival_of(own, posed.subject, sets, options.orders.cache_size));
+  RivalOptions rivals;
+  rivals.names = {"input"};
+  for (const std::string& name : rival_names(options.baselines)) {
+    if (name != own && name != "input") rivals.names.push_back(name);
+  }
+  rivals.orders = options.orders;
+  rivals.joint = !options.per_animation;
+  rivals.acmr = contest.rivals.front().acmr;
+  rivals.rest = posed.rest;
+  for (OverdrawRival& rival : make_overdraw_rivals(posed.subject, posed.frames, rivals))
+    contest.rivals.push_back(std::move(rival));
+  return contest;
+}
+
+OverdrawMeasurement measurement_of(const OverdrawCommandOptions& options, Session& session) {
+  OverdrawMeasurement measurement;
+  measurement.viewpoints = options.measured_viewpoints;
+  measurement.min_distance = options.orders.min_distance;
+  measurement.max_distance = options.orders.max_distance;
+  measurement.size = options.orders.size;
+  measurement.most_pictures = options.pictures;
+  measurement.progress = session.progress();
+  return measurement;
+}
+
+std::vector<OverdrawRow> measure_all(const Model& model, const OverdrawCommandOptions& options,
+                                     const PosedSubject& posed, const Contest& contest, Session& session) {
+  std::vector<OverdrawContender> contenders;
+  for (const OverdrawRival& rival : contest.rivals) contenders.push_back(rival.contender);
+  const OverdrawMeasurement measurement = measurement_of(options, session);
+  const std::vector<OverdrawQuality> at_keys = measure_posed_overdraw(posed.subject, contenders, measurement);
+
+  std::vector<OverdrawQuality> between;
+  if (!posed.clips.empty()) {
+    const PosesBetween poses = poses_between(model, posed, options.subject);
+    for (OverdrawContender& contender : contenders) {
+      contender.ranks = [inner = contender.ranks, &poses](std::uint32_t frame, const Viewpoint& viewpoint) {
+        return inner(poses.nearest[frame], viewpoint);
+      };
+    }
+    if (!poses.nearest.empty()) between = measure_posed_overdraw(poses.subject, contenders, measurement);
+  }
+  std::vector<OverdrawRow> rows;
+  for (std::size_t i = 0; i < contest.rivals.size(); ++i) {
+    const OverdrawRival& rival = contest.rivals[i];
+    rows.push_back({rival.name, rival.buffers, rival.acmr, at_keys[i], std::nullopt});
+    if (!between.empty()) rows.back().between = between[i];
+  }
+  return rows;
+}
+
+// The file's own order as orders, for where nothing better was found.
+OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& options) {
+  OverdrawSets sets;
+  sets.view_level = options.view_level;
+  OverdrawOrders own;
+  const OverdrawSubject& subject = posed.subject;
+  for (std::uint32_t triangle = 0; triangle < subject.triangles.size(); ++triangle)
+    own.sequence.push_back(triangle);
+  own.orders.emplace_back();
+  for (std::uint32_t part = 0; part < subject.parts.size(); ++part) {
+    own.patch_offsets.push_back(subject.parts[part]);
+    own.patch_parts.push_back(part);
+    own.orders.front().push_back(part);
+  }
+  own.patch_offsets.push_back(static_cast<std::uint32_t>(subject.triangles.size()));
+  Mesh mesh;
+  mesh.triangles = subject.triangles;
+  for (const std::vector<Vec3f>& positions : subject.frames) {
+    mesh.positions = positions;
+    own.spheres.push_back(bounding_sphere(mesh));
+  }
+  const std::size_t cells = 10 * (std::size_t{1} << (2 * options.view_level)) + 2;
+  own.cell_orders.assign(cells * subject.frames.size(), 0);
+  sets.sets.push_back(std::move(own));
+  for (std::uint32_t frame = 0; frame < posed.frames.size(); ++frame) {
+    sets.set_of.push_back(0);
+    sets.frame_in_set.push_back(frame);
+  }
+  return sets;
+}
+
+// Heat maps of every rival at some key frames, seen obliquely from above.
+std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Contest& contest,
+                                            std::uint32_t size) {
+  constexpr std::size_t kFrames = 6;
+  constexpr double kAzimuth = 35 * std::numbers::pi / 180;
+  constexpr double kElevation = 15 * std::numbers::pi / 180;
+  const Viewpoint viewpoint{{std::cos(kElevation) * std::sin(kAzimuth), std::sin(kElevation),
+                             std::cos(kElevation) * std::cos(kAzimuth)},
+                            2.2};
+  const std::size_t count = std::min(kFrames, posed.frames.size());
+  std::vector<std::vector<HeatMap>> sheet;
+  for (const OverdrawRival& rival : contest.rivals) {
+    sheet.emplace_back();
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto frame = static_cast<std::uint32_t>(i * posed.frames.size() / count);
+      HeatMap map;
+      map.size = size;
+      map.shaded =
+          shaded_fragments(posed.subject, frame, viewpoint, size, rival.contender.ranks(frame, viewpoint));
+      std::uint64_t shaded = 0;
+      std::uint64_t covered = 0;
+      for (const std::uint32_t n : map.shaded) {
+        shaded += n;
+        covered += n > 0 ? 1 : 0;
+      }
+      const double ratio = covered > 0 ? static_cast<double>(shaded) / static_cast<double>(covered) : 0;
+      const PosedFrame& at = posed.frames[frame];
+      map.label = posed.clips.empty() ? fmt::format("{}: {:.3f}", rival.name, ratio)
+                                      : fmt::format("{}, {} {:.2f} s: {:.3f}", rival.name,
+                                                    posed.clips[at.clip].name, at.time, ratio);
+      sheet.back().push_back(std::move(map));
+    }
+  }
+  return sheet;
+}
+
+void write_pictures(const OverdrawCommandOptions& options, const OverdrawReport& report,
+                    const PosedSubject& posed, const Contest& contest) {
+  if (!options.chart.empty()) write_file_atomically(options.chart, overdraw_chart(report));
+  if (options.report.empty() && options.heatmaps.empty()) return;
+  constexpr std::uint32_t kHeatMapSize = 256;
+  const std::vector<std::vector<HeatMap>> sheet = heat_maps(posed, contest, kHeatMapSize);
+  if (!options.heatmaps.empty()) write_png(contact_sheet(sheet), options.heatmaps);
+  if (!options.report.empty()) write_file_atomically(options.report, overdraw_html(report, sheet));
+}
+
+OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubject& posed,
+                          const OverdrawSets& sets) {
+  OverdrawReport report;
+  report.input = options.input;
+  report.output = options.output;
+  report.method = options.orders.method == OverdrawMethod::paper ? "paper" : "refined";
+  report.lambda = options.orders.lambda;
+  report.cache_size = options.orders.cache_size;
+  report.viewpoints = 10 * (1U << (2 * options.orders.view_level)) + 2;
+  report.size = options.orders.size;
+  report.seed = options.orders.seed;
+  report.joint = !options.per_animation;
+  report.whole = options.subject.whole;
+  report.triangles = posed.subject.triangles.size();
+  report.vertices = posed.rest.size();
+  report.parts = posed.parts.size();
+  report.frames = posed.frames;
+  for (const AnimationClip& clip : posed.clips) report.clips.push_back({clip.name, 0});
+  for (const PosedFrame& frame : posed.frames) {
+    if (!report.clips.empty()) ++report.clips[frame.clip].key_frames;
+  }
+  for (const OverdrawOrders& set : sets.sets) {
+    report.patches = std::max(report.patches, set.run.patches);
+    report.views += set.run.views;
+    report.training_views += set.run.training_views;
+    report.iterations = std::max(report.iterations, set.run.iterations);
+    report.seconds.patches += set.run.seconds.patches;
+    report.seconds.raster += set.run.seconds.raster;
+    report.seconds.cluster += set.run.seconds.cluster;
+    report.seconds.assign += set.run.seconds.assign;
+    report.seconds.total += set.run.seconds.total;
+  }
+  report.measured_viewpoints = options.measured_viewpoints;
+  const std::uint64_t all = posed.frames.size() * std::uint64_t{options.measured_viewpoints};
+  report.measured_pictures = options.pictures > 0 ? std::min(all, options.pictures) : all;
+  report.notes = posed.notes;
+  return report;
+}
+
+// Formats other than glTF are written anew: what cannot be drawn is left out for good.
+void prepare(Model& model) {
+  if (is_gltf(model)) return;
+  for (Primitive& primitive : model.primitives)
+    primitive.mesh = compacted(clean(primitive.mesh, {}, primitive.name).mesh);
+}
+
+void check_options(const OverdrawCommandOptions& options) {
+  if (!options.output.empty()) check_output(options.output);
+  const bool cannot_write = options.subject.subdivisions > 0 || options.subject.whole;
+  if (!options.output.empty() && cannot_write) {
+    throw Error(ErrorKind::bad_argument,
+                "--subdivide and --whole are for measurements: such orders fit no file, leave out -o");
+  }
+}
+
+void run_overdraw(OverdrawCommandOptions options, Session& session) {
+  check_options(options);
+  options.orders.seed = session.options().seed;
+  options.orders.progress = session.progress();
+  const Stopwatch total;
+  begin_stage(session.progress(), "reading", 0);
+  Model model = read_model(options.input);
+  prepare(model);
+  const PosedSubject posed = make_subject(model, options.subject);
+  for (const std::string& note : posed.notes) session.note(model.path + ": " + note);
+  stop_if_signalled();
+  const double seconds_read = total.seconds();
+  settle(options, posed);
+
+  OverdrawSets sets = order_overdraw_sets(posed.subject, posed.frames, options.orders, !options.per_animation);
+  Contest contest = enter_contest(options, posed, sets);
+  Stopwatch measuring;
+  std::vector<OverdrawRow> rows = measure_all(model, options, posed, contest, session);
+  OverdrawReport report = new_report(options, posed, sets);
+  report.seconds_measure = measuring.seconds();
+  report.seconds_read = seconds_read;
+  // Never worse than the file was.
+  if (rows[0].key_frames.mean > rows[1].key_frames.mean) {
+    report.notes.emplace_back("the file's own order shades less in vain than any that was found: it is kept");
+    session.note(model.path + ": " + report.notes.back());
+    sets = input_as_orders(posed, options.orders);
+    rows[0] = rows[1];
+    rows[0].name = report.method;
+  }
+  report.rows = std::move(rows);
+
+  if (!options.output.empty()) {
+    begin_stage(session.progress(), "writing", 0);
+    const Stopwatch writing;
+    const std::vector<OrderedPrimitive> ordered = ordered_primitives(posed, sets, options.orders);
+    for (const OrderedPrimitive& entry : ordered)
+      report.memory_bytes += index_bytes(entry.orders, model.primitives[entry.primitive].mesh);
+    const WriteReport written = write_model(model, ordered, options.output, options.write);
+    report.seconds_write = writing.seconds();
+    report.disk_bytes = written.order_bytes;
+    report.file_bytes = written.file_bytes;
+    report.files = written.files;
+  }
+  write_pictures(options, report, posed, contest);
+  report.seconds_total = total.seconds();
+  report.peak_rss_bytes = peak_rss_bytes();
+  session.print(to_text(report));
+  session.write_json(to_json(report));
+}
+
+void add_order_group(CLI::App& command, OverdrawCommandOptions& o) {
+  const char* group = "Orders";
+  add_choice(command, "--method", o.orders.method,
+             {{"refined", OverdrawMethod::refined}, {"paper", OverdrawMethod::paper}},
+             "refined: least overdraw as counted (default); paper: patches by summed distance")
+      ->group(group);
+  command.add_option("--buffers", o.orders.buffers, "Index buffers (default: 5, for a static mesh 1)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("K")
+      ->group(group)
+      ->each([&o](const std::string&) { o.buffers_given = true; });
+  command.add_option("--lambda", o.orders.lambda,
+                     "Patches end below so many cache misses a triangle; 3: single triangles")
+      ->check(CLI::Range(0.3, 3.0))
+      ->type_name("X")
+      ->capture_default_str()
+      ->group(group)
+      ->each([&o](const std::string&) { o.lambda_given = true; });
+  command
+      .add_option_function<double>(
+          "--acmr", [&o](double acmr) { o.orders.acmr = acmr; },
+          "refined: cache misses a triangle that orders may have (default: as the paper's method has with "
+          "this lambda; one static mesh without --lambda: as meshopt_optimizeOverdraw)")
+      ->check(CLI::Range(0.3, 3.0))
+      ->type_name("X")
+      ->group(group);
+  command.add_option("--cache", o.orders.cache_size, "Vertex cache, FIFO entries")
+      ->check(CLI::Range(3, 1024))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--viewpoints", o.viewpoints, "12, 42, 162 or 642 (default: 162, for a static mesh 642)")
+      ->type_name("N")
+      ->group(group);
+  command.add_option("--size", o.orders.size, "Pixels a side of the pictures that overdraw is counted in")
+      ->check(CLI::Range(16, 4096))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+}
+
+void add_model_group(CLI::App& command, OverdrawCommandOptions& o) {
+  const char* group = "Model";
+  command
+      .add_option("--animation", o.subject.animations,
+                  "Only this animation, by name or number; may be given several times (default: all)")
+      ->type_name("NAME")
+      ->group(group);
+  command
+      .add_option_function<double>(
+          "--keyframe-rate", [&o](double rate) { o.subject.keyframe_rate = rate; },
+          "Key frames a second (default: the animation's own key times)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("R")
+      ->group(group);
+  auto* joint =
+      command.add_flag("--joint", o.joint, "The same buffers for all animations (default)")->group(group);
+  command.add_flag("--per-animation", o.per_animation, "Buffers of its own for every animation")
+      ->excludes(joint)
+      ->group(group);
+  add_choice(command, "--sides", o.subject.sides,
+             {{"auto", SidesChoice::automatic}, {"single", SidesChoice::single}, {"both", SidesChoice::both}},
+             "Are back faces drawn? auto: as the material says, single where the format has none")
+      ->group(group);
+  command.add_option("--subdivide", o.subject.subdivisions, "Loop subdivision first, 0 to 3 levels; without -o")
+      ->check(CLI::Range(0U, kMostSubdivisions))
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_flag("--whole", o.subject.whole,
+                "All primitives as one draw call, as the paper's characters are; without -o")
+      ->group(group);
+}
+
+void add_output_group(CLI::App& command, OverdrawCommandOptions& o) {
+  const char* group = "Output";
+  command
+      .add_option("--baselines", o.baselines,
+                  "all, none, or of original,meshopt,per-frame,single,paper: what to measure beside it")
+      ->type_name("LIST")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--measure", o.measured_viewpoints, "Held-out viewpoints, within three bounding radii")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--pictures", o.pictures,
+                  "Measure on about so many of all key frames x viewpoints, evenly chosen (0: all)")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--report", o.report, "Write a page with table, chart and heat maps")
+      ->type_name("FILE.html")
+      ->group(group);
+  command.add_option("--heatmaps", o.heatmaps, "Write the heat maps: a row per method, a column per key frame")
+      ->type_name("FILE.png")
+      ->group(group);
+  command.add_option("--chart", o.chart, "Write overdraw over the animation")
+      ->type_name("FILE.svg")
+      ->group(group);
+  add_choice(command, "--encoding", o.write.encoding,
+             {{"patches", OrderEncoding::patches},
+              {"indices", OrderEncoding::indices},
+              {"meshopt", OrderEncoding::meshopt}},
+             "How orders are stored: ids of patches (default), plain indices, or ids coded by meshopt")
+      ->group(group);
+  command.add_flag("--split-buffer", o.write.split_buffer, "Orders go to OUT.orders.bin")->group(group);
+}
+
+}  // namespace
+
+void add_overdraw_command(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<OverdrawCommandOptions>();
+  options->write.encoding = OrderEncoding::patches;
+  CLI::App* command = add_command(
+      app, chosen, "overdraw", "Overdraw orders for opaque models, static or animated",
+      "  pellucid overdraw character.glb -o out.glb\n"
+      "  pellucid overdraw character.glb -o out.glb --buffers 3 --animation Walk --animation Run\n"
+      "  pellucid overdraw bunny.obj -o bunny.glb --report bunny.html\n"
+      "  pellucid overdraw character.glb --method paper --lambda 0.75 --subdivide 1 --json stats.json\n"
+      "  pellucid overdraw character.glb -o out.glb --per-animation --heatmaps sheet.png --chart ovr.svg",
+      1, [options](Session& session) { run_overdraw(*options, session); });
+  command->add_option("MODEL", options->input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
+  command
+      ->add_option("-o,--output", options->output,
+                   "The .glb or .gltf to write (without: only measure and report)")
+      ->type_name("FILE");
+  add_order_group(*command, *options);
+  add_model_group(*command, *options);
+  add_output_group(*command, *options);
+}
+
+}  // namespace pellucid::cli

@@ -62,8 +62,8 @@ void settle(OverdrawCommandOptions& options, const PosedSubject& posed) {
   if (is_static && orders.method == OverdrawMethod::refined && !options.lambda_given && !orders.acmr) {
     // A drop-in for meshopt_optimizeOverdraw at its usual threshold.
     constexpr float kUsualThreshold = 1.05F;
-    orders.acmr = acmr_of(
-        posed.subject, {meshopt_overdraw_order(posed.subject, posed.rest, kUsualThreshold)}, orders.cache_size);
+    orders.acmr = acmr_of(posed.subject, {meshopt_overdraw_order(posed.subject, posed.rest, kUsualThreshold)},
+                          orders.cache_size);
   }
 }
 
@@ -274,7 +274,8 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
   const double seconds_read = total.seconds();
   settle(options, posed);
 
-  OverdrawSets sets = order_overdraw_sets(posed.subject, posed.frames, options.orders, !options.per_animation);
+  OverdrawSets sets =
+      order_overdraw_sets(posed.subject, posed.frames, options.orders, !options.per_animation);
   Contest contest = enter_contest(options, posed, sets);
   Stopwatch measuring;
   std::vector<OverdrawRow> rows = measure_all(model, options, posed, contest, session);
@@ -321,8 +322,9 @@ void add_order_group(CLI::App& command, OverdrawCommandOptions& o) {
       ->type_name("K")
       ->group(group)
       ->each([&o](const std::string&) { o.buffers_given = true; });
-  command.add_option("--lambda", o.orders.lambda,
-                     "Patches end below so many cache misses a triangle; 3: single triangles")
+  command
+      .add_option("--lambda", o.orders.lambda,
+                  "Patches end below so many cache misses a triangle; 3: single triangles")
       ->check(CLI::Range(0.3, 3.0))
       ->type_name("X")
       ->capture_default_str()
@@ -341,7 +343,8 @@ void add_order_group(CLI::App& command, OverdrawCommandOptions& o) {
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
-  command.add_option("--viewpoints", o.viewpoints, "12, 42, 162 or 642 (default: 162, for a static mesh 642)")
+  command
+      .add_option("--viewpoints", o.viewpoints, "12, 42, 162 or 642 (default: 162, for a static mesh 642)")
       ->type_name("N")
       ->group(group);
   command.add_option("--size", o.orders.size, "Pixels a side of the pictures that overdraw is counted in")
@@ -374,7 +377,8 @@ void add_model_group(CLI::App& command, OverdrawCommandOptions& o) {
              {{"auto", SidesChoice::automatic}, {"single", SidesChoice::single}, {"both", SidesChoice::both}},
              "Are back faces drawn? auto: as the material says, single where the format has none")
       ->group(group);
-  command.add_option("--subdivide", o.subject.subdivisions, "Loop subdivision first, 0 to 3 levels; without -o")
+  command
+      .add_option("--subdivide", o.subject.subdivisions, "Loop subdivision first, 0 to 3 levels; without -o")
       ->check(CLI::Range(0U, kMostSubdivisions))
       ->type_name("N")
       ->group(group);
@@ -406,7 +410,8 @@ void add_output_group(CLI::App& command, OverdrawCommandOptions& o) {
   command.add_option("--report", o.report, "Write a page with table, chart and heat maps")
       ->type_name("FILE.html")
       ->group(group);
-  command.add_option("--heatmaps", o.heatmaps, "Write the heat maps: a row per method, a column per key frame")
+  command
+      .add_option("--heatmaps", o.heatmaps, "Write the heat maps: a row per method, a column per key frame")
       ->type_name("FILE.png")
       ->group(group);
   command.add_option("--chart", o.chart, "Write overdraw over the animation")

@@ -42,8 +42,7 @@ void add_parts(const Model& model, const PosableModel& posable, const SubjectOpt
         i + 1 < posable.parts().size() ? posable.parts()[i + 1].first_triangle : posable.triangles().size();
     if (end == part.first_triangle) continue;
     const auto begin = static_cast<std::uint32_t>(subject.triangles.size());
-    posed.parts.push_back(
-        {part.primitive, begin, static_cast<std::uint32_t>(end - part.first_triangle)});
+    posed.parts.push_back({part.primitive, begin, static_cast<std::uint32_t>(end - part.first_triangle)});
     if (!options.whole || subject.parts.empty()) subject.parts.push_back(begin);
     subject.triangles.insert(subject.triangles.end(), posable.triangles().begin() + part.first_triangle,
                              posable.triangles().begin() + static_cast<std::ptrdiff_t>(end));
@@ -77,8 +76,8 @@ std::vector<std::uint32_t> choose_clips(const Model& model, const PosableModel& 
     std::string names;
     for (const AnimationClip& clip : posable.clips()) names += (names.empty() ? "" : ", ") + clip.name;
     throw Error(ErrorKind::bad_argument,
-                fmt::format("{}: --animation: there is no '{}' that moves something drawn{}", model.path, text,
-                            names.empty() ? "" : "; there are: " + names));
+                fmt::format("{}: --animation: there is no '{}' that moves something drawn{}", model.path,
+                            text, names.empty() ? "" : "; there are: " + names));
   }
   return chosen;
 }

@@ -17,8 +17,8 @@ struct SubjectOptions {
   SidesChoice sides = SidesChoice::automatic;  // automatic: as the materials say; other formats: single
   bool whole = false;                          // all parts are one draw call
   std::uint32_t subdivisions = 0;
-  std::vector<std::string> animations;   // names or numbers; empty: all
-  std::optional<double> keyframe_rate;   // per second; unset: at the key times
+  std::vector<std::string> animations;  // names or numbers; empty: all
+  std::optional<double> keyframe_rate;  // per second; unset: at the key times
 };
 
 struct SubjectPart {
@@ -27,10 +27,10 @@ struct SubjectPart {
 };
 
 struct PosedSubject {
-  OverdrawSubject subject;            // one frame for a static mesh
-  std::vector<PosedFrame> frames;     // of the subject
-  std::vector<AnimationClip> clips;   // chosen; PosedFrame::clip counts these; empty: static
-  std::vector<SubjectPart> parts;     // those of the subject, or of its whole
+  OverdrawSubject subject;           // one frame for a static mesh
+  std::vector<PosedFrame> frames;    // of the subject
+  std::vector<AnimationClip> clips;  // chosen; PosedFrame::clip counts these; empty: static
+  std::vector<SubjectPart> parts;    // those of the subject, or of its whole
   std::vector<Vec3f> rest;
   std::vector<std::string> notes;
 };

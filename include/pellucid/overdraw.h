@@ -61,7 +61,7 @@ struct OverdrawOptions {
   std::uint64_t most_layers = 3'000'000;
   // Views that get an order of their own: of more, only some key frames do, and the others what the nearest
   // of these has.
-  std::uint64_t most_views = 60'000;
+  std::uint64_t most_views = 30'000;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };

@@ -39,6 +39,11 @@ bool among(std::uint64_t i, std::uint64_t all, std::uint64_t most) {
   return all <= most || place * static_cast<double>(all) < static_cast<double>(most);
 }
 
+// Which of a few orders is cheapest shows on smaller pictures, too.
+ListOptions choice_options(const OverdrawOptions& options) {
+  return {std::max(options.size / 2, 64U), 1, options.progress};
+}
+
 // The cheapest order for every view, a few thousand at a time so that their lists fit into memory.
 std::vector<std::uint32_t> cheapest_for(const OverdrawSubject& subject,
                                         std::span<const BoundingSphere> spheres, const Patches& patches,
@@ -81,10 +86,11 @@ class OverdrawOrderer {
       run_.seconds.raster = lap.lap();
       cluster_by_distance();
     } else {
-      const Patches fine = options_.lambda >= kNoCache
-                               ? coarse
-                               : cut_patches(subject_, best_cache_order(subject_, options_.cache_size),
-                                             std::max(kFineLambda, options_.lambda), options_.cache_size);
+      const Patches fine =
+          options_.lambda >= kNoCache
+              ? coarse
+              : cut_patches(subject_, best_cache_order(subject_, options_.cache_size, options_.seed),
+                            std::max(kFineLambda, options_.lambda), options_.cache_size);
       run_.seconds.patches = lap.lap();
       rasterize_training(fine);
       run_.seconds.raster = lap.lap();
@@ -228,7 +234,7 @@ class OverdrawOrderer {
           kAcmrMargin * (options_.acmr ? *options_.acmr : paper_acmr(coarse, few.clustering, some));
       merging.cache_size = options_.cache_size;
       merging.sift = sift_;
-      merging.sift.sweeps = kFirstSweeps;
+      merging.sift.sweeps = first_sweeps();
       const std::vector<std::uint32_t> patch_of = merge_patches(subject_, merging, few);
       ordered_.lists = joined_lists(ordered_.lists, patch_of);
       ordered_.patches = few.patches;
@@ -238,6 +244,11 @@ class OverdrawOrderer {
     all.ranks = std::move(few.clustering.ranks);
     ordered_.clustering =
         improve_orders(costs_of(ordered_, kLastSweeps), std::move(all), {5, 2e-3}).clustering;
+  }
+
+  // One pose is cheap.
+  [[nodiscard]] std::uint32_t first_sweeps() const {
+    return subject_.frames.size() == 1 ? kLastSweeps : kFirstSweeps;
   }
 
   // A few rounds from each of some starts; the best of them.
@@ -251,7 +262,7 @@ class OverdrawOrderer {
       for (const std::uint32_t view : some) cluster_of.push_back(start.cluster_of[view]);
       start.cluster_of = std::move(cluster_of);
       Clustering found =
-          improve_orders(costs_of(few, kFirstSweeps), std::move(start), {kStartRounds, 0.02}).clustering;
+          improve_orders(costs_of(few, first_sweeps()), std::move(start), {kStartRounds, 0.02}).clustering;
       if (!best || found.cost < best->cost) best = std::move(found);
     }
     return *best;
@@ -381,7 +392,7 @@ std::vector<std::uint32_t> cheapest_orders(const OverdrawSubject& poses, const O
   std::vector<std::vector<std::uint32_t>> ranks;
   for (const std::vector<std::uint32_t>& order : orders.orders) ranks.push_back(triangle_ranks(order));
   return cheapest_for(poses, pose_spheres(poses), {orders.sequence, orders.patch_offsets, orders.patch_parts},
-                      ranks, views, {options.size, 1, options.progress});
+                      ranks, views, choice_options(options));
 }
 
 std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order) {

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "cache_walk.h"
 #include "gather_visits.h"
 #include "tipsify.h"
 
@@ -125,52 +124,58 @@ std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const 
   return misses;
 }
 
-std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
+namespace {
+
+// Every part by itself: order_part(mesh, no constraints, which nodes it has).
+template <class OrderPart>
+std::vector<std::uint32_t> order_parts(const OverdrawSubject& subject, const OrderPart& order_part) {
   Mesh mesh;
   mesh.positions = subject.frames.front();
   mesh.triangles = subject.triangles;
   const std::size_t nodes = 2 * mesh.triangles.size();
   const SequenceConstraints none{std::vector<std::uint32_t>(nodes + 1, 0), {}};
-  std::vector<std::uint32_t> ranks(nodes);
-  std::iota(ranks.begin(), ranks.end(), 0U);
   std::vector<std::uint32_t> sequence;
   for (std::size_t part = 0; part < subject.parts.size(); ++part) {
     std::vector<std::uint8_t> drawn(nodes, 0);
     for (std::uint32_t t = subject.parts[part]; t < end_of_part(subject, part); ++t)
       drawn[node_of(t, false)] = 1;
-    for (const NodeId node : tipsify(mesh, none, ranks, drawn, cache_size))
-      sequence.push_back(triangle_of(node));
+    for (const NodeId node : order_part(mesh, none, drawn)) sequence.push_back(triangle_of(node));
   }
   return sequence;
 }
 
-std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
-  // No one weighting is best for all meshes; these were, for one or the other of the development models.
-  constexpr std::array<WalkWeights, 4> kWeights{{{1, 0.5, 1}, {1, 0.5, 1.3}, {2, 0.7, 1.3}, {2, 1, 1.3}}};
-  Mesh mesh;
-  mesh.positions = subject.frames.front();
-  mesh.triangles = subject.triangles;
-  const SequenceConstraints none{std::vector<std::uint32_t>(2 * mesh.triangles.size() + 1, 0), {}};
-  const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
-  std::vector<std::uint32_t> sequence;
-  for (std::size_t part = 0; part < subject.parts.size(); ++part) {
-    std::array<NodeSequence, kWeights.size()> trials;
-    parallel_loop(std::size_t{0}, kWeights.size(), [&](std::size_t i) {
-      NodeSequence walk;
-      for (const std::uint32_t triangle :
-           cache_walk(subject.triangles, subject.parts[part], end_of_part(subject, part), vertices,
-                      cache_size, kWeights[i])) {
-        walk.push_back(node_of(triangle, false));
-      }
-      trials[i] = gather_visits(mesh, none, std::move(walk), cache_size);
-    });
-    const NodeSequence& best =
-        *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
-          return fifo_misses(mesh, a, cache_size) < fifo_misses(mesh, b, cache_size);
-        });
-    for (const NodeId node : best) sequence.push_back(triangle_of(node));
+}  // namespace
+
+std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
+  std::vector<std::uint32_t> ranks(2 * subject.triangles.size());
+  std::iota(ranks.begin(), ranks.end(), 0U);
+  return order_parts(subject, [&](const Mesh& mesh, const SequenceConstraints& none, const auto& drawn) {
+    return tipsify(mesh, none, ranks, drawn, cache_size);
+  });
+}
+
+std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size,
+                                            std::uint64_t seed) {
+  // Where tipsify goes after a dead end: by number, and at random.
+  constexpr std::size_t kStarts = 4;
+  Random random(seed);
+  std::array<std::vector<std::uint32_t>, kStarts> ranks;
+  for (std::vector<std::uint32_t>& start : ranks) {
+    start.resize(2 * subject.triangles.size());
+    std::iota(start.begin(), start.end(), 0U);
+    if (&start == &ranks.front()) continue;
+    for (std::size_t i = start.size(); i-- > 1;) std::swap(start[i], start[random.below(i + 1)]);
   }
-  return sequence;
+  return order_parts(subject, [&](const Mesh& mesh, const SequenceConstraints& none, const auto& drawn) {
+    std::array<NodeSequence, kStarts> trials;
+    parallel_loop(std::size_t{0}, kStarts, [&](std::size_t i) {
+      trials[i] =
+          gather_visits(mesh, none, tipsify(mesh, none, ranks[i], drawn, cache_size), cache_size, nullptr);
+    });
+    return *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
+      return fifo_misses(mesh, a, cache_size) < fifo_misses(mesh, b, cache_size);
+    });
+  });
 }
 
 std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject, std::uint32_t frame,

@@ -49,7 +49,9 @@ std::vector<std::uint32_t> expand(const Patches& patches, std::span<const std::u
 // Part of triangle t.
 std::vector<std::uint32_t> part_of_triangles(const OverdrawSubject& subject);
 
-// As cache_order(), with fewer misses: the best of some walks (cache_walk.h) after a local search.
-std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size);
+// As cache_order(), with fewer misses: the best of some starts after a local search. (A walk after Lin and
+// Yu, TVCG 2006, has 3 % fewer misses still, but its long strips make patches that hide each other.)
+std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size,
+                                            std::uint64_t seed);
 
 }  // namespace pellucid

@@ -1,8 +1,9 @@
 // Overdraw orders as a table and JSON: see pellucid/overdraw_report.h.
+#include "pellucid/overdraw_report.h"
+
 #include <fmt/format.h>
 
 #include "json.h"
-#include "pellucid/overdraw_report.h"
 #include "pellucid/report.h"
 
 namespace pellucid {
@@ -28,38 +29,41 @@ std::string excess_text(double overdraw) {
 
 std::string to_json(const OverdrawReport& report) {
   Json baselines = Json::object();
-  for (std::size_t i = 1; i < report.rows.size(); ++i) baselines[report.rows[i].name] = json_of(report.rows[i]);
+  for (std::size_t i = 1; i < report.rows.size(); ++i)
+    baselines[report.rows[i].name] = json_of(report.rows[i]);
   Json clips = Json::array();
   for (const OverdrawReport::Clip& clip : report.clips)
     clips.push_back({{"name", clip.name}, {"key_frames", clip.key_frames}});
   Json by_frame = Json::object();
   for (const OverdrawRow& row : report.rows) by_frame[row.name] = row.key_frames.by_frame;
   Json frames = Json::array();
-  for (const PosedFrame& frame : report.frames) frames.push_back({{"clip", frame.clip}, {"time", frame.time}});
+  for (const PosedFrame& frame : report.frames)
+    frames.push_back({{"clip", frame.clip}, {"time", frame.time}});
 
-  Json json = {{"schema", kJsonSchema},
-               {"version", library_version()},
-               {"input", report.input},
-               {"output", report.output},
-               {"files", report.files},
-               {"method", report.method},
-               {"lambda", report.lambda},
-               {"cache", report.cache_size},
-               {"viewpoints", report.viewpoints},
-               {"size", report.size},
-               {"seed", report.seed},
-               {"joint", report.joint},
-               {"whole", report.whole},
-               {"triangles", report.triangles},
-               {"vertices", report.vertices},
-               {"parts", report.parts},
-               {"patches", report.patches},
-               {"nodes", report.views},
-               {"training_nodes", report.training_views},
-               {"iterations", report.iterations},
-               {"clips", std::move(clips)},
-               {"key_frames", report.frames.size()},
-               {"measured", {{"viewpoints", report.measured_viewpoints}, {"pictures", report.measured_pictures}}}};
+  Json json = {
+      {"schema", kJsonSchema},
+      {"version", library_version()},
+      {"input", report.input},
+      {"output", report.output},
+      {"files", report.files},
+      {"method", report.method},
+      {"lambda", report.lambda},
+      {"cache", report.cache_size},
+      {"viewpoints", report.viewpoints},
+      {"size", report.size},
+      {"seed", report.seed},
+      {"joint", report.joint},
+      {"whole", report.whole},
+      {"triangles", report.triangles},
+      {"vertices", report.vertices},
+      {"parts", report.parts},
+      {"patches", report.patches},
+      {"nodes", report.views},
+      {"training_nodes", report.training_views},
+      {"iterations", report.iterations},
+      {"clips", std::move(clips)},
+      {"key_frames", report.frames.size()},
+      {"measured", {{"viewpoints", report.measured_viewpoints}, {"pictures", report.measured_pictures}}}};
   if (!report.rows.empty()) {
     const OverdrawRow& own = report.rows.front();
     json["buffer_count"] = own.buffers;
@@ -73,14 +77,10 @@ std::string to_json(const OverdrawReport& report) {
   json["memory_bytes"] = report.memory_bytes;
   json["disk_bytes"] = report.disk_bytes;
   json["file_bytes"] = report.file_bytes;
-  json["seconds"] = {{"total", report.seconds_total},
-                     {"read", report.seconds_read},
-                     {"patches", report.seconds.patches},
-                     {"raster", report.seconds.raster},
-                     {"cluster", report.seconds.cluster},
-                     {"assign", report.seconds.assign},
-                     {"order", report.seconds.total},
-                     {"measure", report.seconds_measure},
+  json["seconds"] = {{"total", report.seconds_total},     {"read", report.seconds_read},
+                     {"patches", report.seconds.patches}, {"raster", report.seconds.raster},
+                     {"cluster", report.seconds.cluster}, {"assign", report.seconds.assign},
+                     {"order", report.seconds.total},     {"measure", report.seconds_measure},
                      {"write", report.seconds_write}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["notes"] = report.notes;

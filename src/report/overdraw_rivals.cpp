@@ -126,8 +126,8 @@ OverdrawRival rival_of(const std::string& name, const OverdrawSubject& subject, 
   data->sets = std::move(sets);
   rival.contender = {name, [data](std::uint32_t frame, const Viewpoint& viewpoint) {
                        const std::uint32_t set = data->sets.set_of[frame];
-                       const std::size_t row = std::size_t{data->sets.frame_in_set[frame]} *
-                                               data->partition.cell_count();
+                       const std::size_t row =
+                           std::size_t{data->sets.frame_in_set[frame]} * data->partition.cell_count();
                        const std::uint32_t cell = find_cell(data->partition, viewpoint.direction);
                        const std::uint32_t order = data->sets.sets[set].cell_orders[row + cell];
                        return std::span<const std::uint32_t>(data->ranks[set][order]);

@@ -1,0 +1,197 @@
+// pellucid overdraw.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "cli/command_line.h"
+
+namespace pellucid::testing {
+namespace {
+
+std::string base64(const std::vector<float>& values) {
+  std::string bytes(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = (word << 8U) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? digits[(word >> (18U - 6U * static_cast<unsigned>(k))) & 63U] : '=';
+  }
+  return text;
+}
+
+// Opaque shells one of which moves out of the others and back, in two clips.
+std::string moving_shells(const TemporaryFolder& folder) {
+  const std::string still = folder.file("still.gltf");
+  EXPECT_EQ(run_pellucid({"sample", "nested-shells", "-o", still, "--detail", "0.1"}).code, 0);
+  nlohmann::json model = parse_json_file(still);
+  for (nlohmann::json& material : model["materials"]) material.erase("alphaMode");
+  const std::vector<float> data{0, 0.5F, 1, 0, 0, 0, 1.5F, 0, 0, 0, 0, 2};
+  const auto buffer = model["buffers"].size();
+  model["buffers"].push_back({{"byteLength", 48}, {"uri", "data:application/octet-stream;base64," + base64(data)}});
+  const auto view = model["bufferViews"].size();
+  model["bufferViews"].push_back({{"buffer", buffer}, {"byteLength", 12}});
+  model["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", 12}, {"byteLength", 36}});
+  const auto accessor = model["accessors"].size();
+  model["accessors"].push_back({{"bufferView", view},
+                                {"componentType", 5126},
+                                {"count", 3},
+                                {"type", "SCALAR"},
+                                {"min", {0}},
+                                {"max", {1}}});
+  model["accessors"].push_back(
+      {{"bufferView", view + 1}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+  for (const char* name : {"out", "again"}) {
+    model["animations"].push_back(
+        {{"name", name},
+         {"samplers", {{{"input", accessor}, {"output", accessor + 1}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}});
+  }
+  const std::string moving = folder.file("moving.gltf");
+  spill(moving, model.dump());
+  return moving;
+}
+
+// In a moment: few viewpoints, small pictures.
+Arguments quick(const std::string& input, const Arguments& more = {}) {
+  Arguments arguments{"overdraw", input, "--viewpoints", "42", "--size", "64", "--pictures", "60"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(OverdrawCommand, OrdersAnAnimatedModelAndSaysHowWell) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  const std::string output = folder.file("out.glb");
+  const Finished done =
+      run_pellucid(quick(input, {"-o", output, "--buffers", "3", "--json", folder.file("o.json")}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json json = parse_json_file(folder.file("o.json"));
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["method"], "refined");
+  EXPECT_LE(json["buffer_count"].get<int>(), 3);
+  EXPECT_EQ(json["key_frames"], 6);
+  EXPECT_EQ(json["nodes"], 6 * 42);
+  ASSERT_EQ(json["clips"].size(), 2U);
+  EXPECT_EQ(json["clips"][0]["name"], "out");
+  EXPECT_EQ(json["clips"][0]["key_frames"], 3);
+  const double mean = json["overdraw"]["mean"].get<double>();
+  EXPECT_GE(mean, 1.0);
+  EXPECT_GE(json["overdraw"]["max"].get<double>(), mean);
+  EXPECT_GE(json["between_key_frames"]["mean"].get<double>(), 1.0);
+  for (const char* name : {"input", "original", "meshopt", "per-frame", "single", "paper"}) {
+    const nlohmann::json& row = json["baselines"][name];
+    EXPECT_GE(row["overdraw_mean"].get<double>(), 1.0) << name;
+    EXPECT_GE(row["acmr"].get<double>(), 0.4) << name;
+    EXPECT_GE(row["buffer_count"].get<int>(), 1) << name;
+    // The shells hide each other: whoever does not look at them draws much in vain.
+    EXPECT_LE(mean, row["overdraw_mean"].get<double>() + 1e-3) << name;
+  }
+  EXPECT_EQ(json["baselines"]["per-frame"]["buffer_count"], 6);
+  EXPECT_EQ(json["by_key_frame"]["overdraw"]["refined"].size(), 6U);
+
+  const nlohmann::json inspected =
+      nlohmann::json::parse(run_pellucid({"inspect", output, "--json", "-"}).out);
+  bool found = false;
+  for (const nlohmann::json& primitive : inspected["primitives"]) {
+    if (!primitive.contains("orders") || primitive["orders"].is_null()) continue;
+    found = true;
+    EXPECT_EQ(primitive["orders"]["purpose"], "overdraw");
+    EXPECT_EQ(primitive["orders"]["animations"].size(), 2U);
+    EXPECT_EQ(primitive["orders"]["animations"][0]["key_frames"], 3);
+  }
+  EXPECT_TRUE(found) << inspected.dump(1).substr(0, 2000);
+}
+
+TEST(OverdrawCommand, WritesTheSameBytesWithAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  for (const char* threads : {"1", "2"}) {
+    ASSERT_EQ(run_pellucid(quick(input, {"-o", folder.file(std::string(threads) + ".glb"), "--baselines", "none",
+                                         "--threads", threads}))
+                  .code,
+              0);
+  }
+  EXPECT_EQ(slurp(folder.file("1.glb")), slurp(folder.file("2.glb")));
+}
+
+TEST(OverdrawCommand, GivesEveryAnimationItsOwnBuffersOnDemand) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  const Finished done = run_pellucid(quick(input, {"-o", folder.file("o.glb"), "--per-animation", "--buffers", "2",
+                                                   "--baselines", "none", "--json", "-"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  EXPECT_EQ(json["joint"], false);
+  EXPECT_GE(json["buffer_count"].get<int>(), 2);
+  EXPECT_EQ(run_pellucid({"inspect", folder.file("o.glb")}).code, 0);
+}
+
+TEST(OverdrawCommand, NeverShadesMoreThanTheInput) {
+  const TemporaryFolder folder;
+  const std::string input = folder.file("tetrahedron.obj");
+  spill(input, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const Finished done = run_pellucid(quick(input, {"-o", folder.file("o.glb"), "--json", "-"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  EXPECT_EQ(json["buffer_count"], 1);
+  EXPECT_LE(json["overdraw"]["mean"].get<double>(), json["baselines"]["input"]["overdraw_mean"].get<double>());
+}
+
+TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  const auto code = [&](const Arguments& more) {
+    const Finished done = run_pellucid(quick(input, more));
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+    return done.code;
+  };
+  EXPECT_EQ(code({"-o", folder.file("o.obj")}), 2);
+  EXPECT_EQ(code({"-o", folder.file("o.glb"), "--whole"}), 2);
+  EXPECT_EQ(code({"-o", folder.file("o.glb"), "--subdivide", "1"}), 2);
+  EXPECT_EQ(code({"--animation", "Dance"}), 2);
+  EXPECT_EQ(code({"--baselines", "magic"}), 2);
+  EXPECT_EQ(code({"--keyframe-rate", "-1"}), 2);
+  EXPECT_EQ(code({"--joint", "--per-animation"}), 2);
+  const Finished many = run_pellucid({"overdraw", input, "--viewpoints", "100"});
+  EXPECT_EQ(many.code, 2);
+  EXPECT_EQ(run_pellucid({"overdraw", folder.file("nowhere.glb")}).code, 3);
+  // Everything in the sample is translucent: nothing to do.
+  const std::string glass = folder.file("glass.glb");
+  ASSERT_EQ(run_pellucid({"sample", "nested-shells", "-o", glass, "--detail", "0.1"}).code, 0);
+  EXPECT_EQ(run_pellucid({"overdraw", glass}).code, 4);
+  for (const std::string& file : folder.files()) EXPECT_EQ(file.find("o."), std::string::npos) << file;
+}
+
+TEST(OverdrawCommand, WritesPictures) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  ASSERT_EQ(run_pellucid(quick(input, {"--baselines", "original", "--report", folder.file("r.html"), "--heatmaps",
+                                       folder.file("h.png"), "--chart", folder.file("c.svg")}))
+                .code,
+            0);
+  EXPECT_EQ(slurp(folder.file("h.png")).substr(1, 3), "PNG");
+  EXPECT_NE(slurp(folder.file("c.svg")).find("<svg"), std::string::npos);
+  const std::string page = slurp(folder.file("r.html"));
+  EXPECT_NE(page.find("original"), std::string::npos);
+  EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org"));
+}
+
+TEST(OverdrawCommand, SubdividesForMeasurements) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  const Finished done = run_pellucid(
+      quick(input, {"--subdivide", "1", "--whole", "--baselines", "none", "--animation", "out", "--json", "-"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const nlohmann::json json = nlohmann::json::parse(done.out);
+  const nlohmann::json whole =
+      nlohmann::json::parse(run_pellucid(quick(input, {"--baselines", "none", "--json", "-"})).out);
+  EXPECT_EQ(json["triangles"].get<int>(), 4 * whole["triangles"].get<int>());
+  EXPECT_EQ(json["key_frames"], 3);
+}
+
+}  // namespace
+}  // namespace pellucid::testing

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pellucid/base.h"
+#include "pellucid/metric.h"
 #include "pellucid/overdraw.h"
 
 namespace pellucid {
@@ -109,10 +110,11 @@ struct HeatMap {
 // One self-contained page: the table, overdraw over the animation (figure 8), heat maps method by method and
 // frame by frame, each with its overdraw.
 std::string overdraw_html(const OverdrawReport& report, const std::vector<std::vector<HeatMap>>& sheet);
-// The heat maps as one picture: a row per method, a column per frame.
-struct Image;
+// The heat maps as one picture: a row per method, a column per frame. Rows may differ in length, and maps in
+// size. Empty without any pixel. Throws Error{bad_argument} for maps that have not size * size pixels.
 Image contact_sheet(const std::vector<std::vector<HeatMap>>& sheet);
-// Mean overdraw of every row, key frame by key frame, as an SVG.
+// Mean overdraw of every row, key frame by key frame, as an SVG; of a single frame, a bar per row. Beyond 300
+// key frames, neighbours within a clip share a point.
 std::string overdraw_chart(const OverdrawReport& report);
 
 }  // namespace pellucid

@@ -1,0 +1,387 @@
+// Overdraw over the animation as an SVG (figure 8 of Han and Sander 2017, key frame by key frame): see
+// pellucid/overdraw_report.h.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "overdraw_pictures.h"
+#include "pellucid/report.h"
+
+namespace pellucid {
+namespace {
+
+constexpr double kWidth = 960;
+constexpr double kLeft = 60;
+constexpr double kRight = 800;  // names of the curves stand to the right
+constexpr double kTop = 60;
+constexpr double kBottom = 300;
+constexpr double kHeight = 350;
+constexpr double kBarLeft = 150;  // names of the bars stand to the left
+constexpr double kBarPitch = 30;
+constexpr double kBarHeight = 18;
+constexpr int kMostSteps = 5;          // of an axis
+constexpr double kLeastExcess = 0.01;  // that an axis goes to
+constexpr std::size_t kMostBins = 300;
+constexpr std::size_t kColors = 7;
+constexpr double kLabelGap = 17;         // between names of curves
+constexpr std::size_t kNameLength = 15;  // of rows, characters
+constexpr double kCharacter = 6.4;       // mean width at 12 pixels
+constexpr double kClipRoom = 52;         // for the name of a clip, even where the clip is narrower
+constexpr double kSeparatorGap = 6;      // clips closer than this have separators only beside their names
+
+// Names of its own, for on a page this style is everybody's. Colours after Okabe and Ito, with enough
+// contrast for lines and text on light and on dark ground.
+constexpr const char* kStyle = R"(<style>
+.overdraw-chart text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
+.overdraw-chart .small{font-size:12px}
+.overdraw-chart .soft{fill:#5b6675}
+.overdraw-chart .ground{fill:#ffffff}
+.overdraw-chart .grid{stroke:#dfe4ea}
+.overdraw-chart .axis{stroke:#8b95a1}
+.overdraw-chart .clip{stroke:#b9c1ca;stroke-dasharray:2 3}
+.overdraw-chart .curve polyline{fill:none;stroke:var(--c);stroke-width:1.8;stroke-linejoin:round;stroke-linecap:round}
+.overdraw-chart .first polyline{stroke-width:3}
+.overdraw-chart .again polyline{stroke-dasharray:5 4}
+.overdraw-chart .curve text{fill:var(--c)}
+.overdraw-chart .first text{font-weight:600}
+.overdraw-chart .curve line{stroke:var(--c);stroke-opacity:.6}
+.overdraw-chart .curve rect{fill:var(--c)}
+.overdraw-chart .c0{--c:#0b62c4}.overdraw-chart .c1{--c:#b35900}.overdraw-chart .c2{--c:#00795a}
+.overdraw-chart .c3{--c:#b03a80}.overdraw-chart .c4{--c:#8a6d00}.overdraw-chart .c5{--c:#1f8cab}
+.overdraw-chart .c6{--c:#5f6873}
+@media (prefers-color-scheme:dark){
+.overdraw-chart text{fill:#dde3ea}
+.overdraw-chart .soft{fill:#98a4b3}
+.overdraw-chart .ground{fill:#12161c}
+.overdraw-chart .grid{stroke:#2d3642}
+.overdraw-chart .axis{stroke:#6a7684}
+.overdraw-chart .clip{stroke:#4a5563}
+.overdraw-chart .c0{--c:#6cb2ff}.overdraw-chart .c1{--c:#f2a45c}.overdraw-chart .c2{--c:#4cc9a0}
+.overdraw-chart .c3{--c:#ee8fc4}.overdraw-chart .c4{--c:#d9c04a}.overdraw-chart .c5{--c:#7fd3ea}
+.overdraw-chart .c6{--c:#a5afba}
+}
+</style>)";
+
+// Key frames begin .. end - 1, of one clip: all of it (a segment of the axis) or some (a point of a curve).
+struct FrameRange {
+  std::uint32_t clip = 0;
+  std::size_t begin = 0, end = 0;
+
+  [[nodiscard]] std::size_t size() const { return end - begin; }
+};
+
+std::vector<FrameRange> clip_ranges(const OverdrawReport& report, std::size_t frames) {
+  std::vector<FrameRange> ranges;
+  for (std::size_t f = 0; f < frames; ++f) {
+    const std::uint32_t before = ranges.empty() ? 0 : ranges.back().clip;
+    const std::uint32_t clip = f < report.frames.size() ? report.frames[f].clip : before;
+    if (ranges.empty() || clip != before) ranges.push_back({clip, f, f});
+    ranges.back().end = f + 1;
+  }
+  return ranges;
+}
+
+// At most kMostBins points, or one for every clip where these are more; no point mixes clips.
+std::vector<FrameRange> bins_of(const FrameRange& clip, std::size_t frames) {
+  const std::size_t share = frames <= kMostBins ? clip.size() : clip.size() * kMostBins / frames;
+  const std::size_t count = std::max<std::size_t>(1, share);
+  std::vector<FrameRange> bins;
+  for (std::size_t i = 0; i < count; ++i)
+    bins.push_back(
+        {clip.clip, clip.begin + clip.size() * i / count, clip.begin + clip.size() * (i + 1) / count});
+  return bins;
+}
+
+bool is_seen(double overdraw) {
+  return std::isfinite(overdraw) && overdraw > 0;
+}
+
+// 0 where nothing was seen.
+double mean_of(const std::vector<double>& by_frame, const FrameRange& bin) {
+  double sum = 0;
+  std::size_t seen = 0;
+  for (std::size_t f = bin.begin; f < std::min(bin.end, by_frame.size()); ++f) {
+    if (!is_seen(by_frame[f])) continue;
+    sum += by_frame[f];
+    ++seen;
+  }
+  return seen == 0 ? 0 : sum / static_cast<double>(seen);
+}
+
+// At most `length` characters of UTF-8: its continuation bytes stay with the byte they follow.
+std::string abbreviated(const std::string& name, std::size_t length) {
+  std::size_t characters = 0;
+  std::size_t cut = name.size();
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if ((static_cast<unsigned char>(name[i]) & 0xC0U) == 0x80U) continue;
+    if (++characters == length) cut = i;
+  }
+  return characters <= length ? name : name.substr(0, cut) + "\u2026";
+}
+
+std::string text_svg(double x, double y, const char* anchor, const char* style, const std::string& text) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y,
+                     anchor, style, escape_html(text));
+}
+
+std::string line_svg(double x0, double y0, double x1, double y1, const char* style) {
+  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x0, y0,
+                     x1, y1, style);
+}
+
+// What belongs to row `index`, in its colour; its whole name is the tooltip.
+std::string group_svg(std::size_t index, const std::string& name, const std::string& content) {
+  return fmt::format("<g class=\"curve c{}{}{}\"><title>{}</title>\n{}</g>\n", index % kColors,
+                     index == 0 ? " first" : "", index >= kColors ? " again" : "", escape_html(name),
+                     content);
+}
+
+// An axis of overdraw: from 1 in steps of 1, 2 or 5 times a power of ten.
+class Axis {
+ public:
+  Axis(double most, double at_one, double at_end) : at_one_(at_one), at_end_(at_end) {
+    const double excess = std::max(most - 1, kLeastExcess);
+    const double power = std::pow(10.0, std::floor(std::log10(excess)) - 1);
+    for (const double factor : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
+      step_ = factor * power;
+      if (excess <= kMostSteps * step_ * (1 + 1e-9)) break;
+    }
+    steps_ = static_cast<int>(std::ceil(excess / step_ - 1e-9));
+    digits_ = std::max(1, static_cast<int>(-std::floor(std::log10(step_) + 1e-9)));
+  }
+
+  [[nodiscard]] int steps() const { return steps_; }
+  [[nodiscard]] double tick(int i) const { return 1 + step_ * i; }
+  [[nodiscard]] std::string label(int i) const { return format_fixed(tick(i), digits_); }
+  [[nodiscard]] double at(double overdraw) const {
+    return at_one_ + (at_end_ - at_one_) * (std::max(overdraw, 1.0) - 1) / (step_ * steps_);
+  }
+
+ private:
+  double at_one_, at_end_;
+  double step_ = 1;
+  int steps_ = 1, digits_ = 1;
+};
+
+// Curves over key frames.
+class CurveChart {
+ public:
+  CurveChart(const OverdrawReport& report, std::size_t frames)
+      : report_(report),
+        frames_(frames),
+        clips_(clip_ranges(report, frames)),
+        means_(means()),
+        axis_(most(), kBottom, kTop) {}
+
+  [[nodiscard]] std::string svg() const { return titles() + grid() + clip_names() + curves(); }
+
+ private:
+  // By row, clip and bin.
+  using Means = std::vector<std::vector<std::vector<double>>>;
+
+  [[nodiscard]] Means means() const {
+    Means all;
+    for (const OverdrawRow& row : report_.rows) {
+      auto& of_row = all.emplace_back();
+      for (const FrameRange& clip : clips_) {
+        auto& of_clip = of_row.emplace_back();
+        for (const FrameRange& bin : bins_of(clip, frames_))
+          of_clip.push_back(mean_of(row.key_frames.by_frame, bin));
+      }
+    }
+    return all;
+  }
+
+  [[nodiscard]] double most() const {
+    double most = 1;
+    for (const auto& row : means_) {
+      for (const auto& clip : row) {
+        for (const double mean : clip) most = std::max(most, mean);
+      }
+    }
+    return most;
+  }
+
+  // Frame f is the stretch from x(f) to x(f + 1).
+  [[nodiscard]] double x(double frame) const {
+    return kLeft + (kRight - kLeft) * frame / static_cast<double>(frames_);
+  }
+
+  [[nodiscard]] std::string titles() const {
+    std::string words = fmt::format("{} key frames", format_count(frames_));
+    if (clips_.size() > 1) words += fmt::format(" of {} clips, one after the other", clips_.size());
+    if (frames_ > kMostBins) words += "; a point is the mean of neighbouring key frames";
+    return text_svg(20, 24, "start", "", "Mean overdraw of every key frame (1 is the least)") +
+           text_svg(20, 43, "start", "small soft", words);
+  }
+
+  [[nodiscard]] std::string grid() const {
+    std::string svg;
+    for (int i = 0; i <= axis_.steps(); ++i) {
+      const double y = axis_.at(axis_.tick(i));
+      svg += line_svg(kLeft, y, kRight, y, i == 0 ? "axis" : "grid");
+      svg += text_svg(kLeft - 8, y + 4, "end", "small soft", axis_.label(i));
+    }
+    return svg;
+  }
+
+  [[nodiscard]] std::string name_of(const FrameRange& clip) const {
+    const bool is_named = clip.clip < report_.clips.size() && !report_.clips[clip.clip].name.empty();
+    return is_named ? report_.clips[clip.clip].name : fmt::format("clip {}", clip.clip);
+  }
+
+  // A name starts where its clip does, and only where the name before it has ended.
+  [[nodiscard]] std::string clip_names() const {
+    const bool has_room = (kRight - kLeft) / static_cast<double>(clips_.size()) >= kSeparatorGap;
+    std::string svg;
+    double free = kLeft;
+    for (const FrameRange& clip : clips_) {
+      const double left = x(static_cast<double>(clip.begin));
+      const bool is_named = left >= free - 1e-6;
+      if (clip.begin > 0 && (has_room || is_named))
+        svg += line_svg(left, kTop, left, is_named ? kBottom + 22 : kBottom, "clip");
+      if (!is_named) continue;
+      const double room = std::max(x(static_cast<double>(clip.end)) - left, kClipRoom) - 8;
+      const auto characters = static_cast<std::size_t>(room / kCharacter);
+      const std::string name = name_of(clip);
+      svg +=
+          fmt::format("<g><title>{}</title>\n{}</g>\n", escape_html(name),
+                      text_svg(left + 4, kBottom + 19, "start", "small soft", abbreviated(name, characters)));
+      free = left + std::min(room, kCharacter * static_cast<double>(name.size())) + 8;
+    }
+    return svg;
+  }
+
+  // Broken where nothing was seen: a lone point is as wide as its bin.
+  [[nodiscard]] std::string polylines(const FrameRange& clip, const std::vector<double>& values) const {
+    const std::vector<FrameRange> bins = bins_of(clip, frames_);
+    std::string svg;
+    for (std::size_t i = 0; i < bins.size();) {
+      std::size_t end = i;
+      while (end < bins.size() && values[end] > 0) ++end;
+      std::string points;
+      if (end == i + 1) {
+        points = fmt::format("{:.1f},{:.1f} {:.1f},{:.1f}", x(static_cast<double>(bins[i].begin)),
+                             axis_.at(values[i]), x(static_cast<double>(bins[i].end)), axis_.at(values[i]));
+      }
+      for (std::size_t k = i; end > i + 1 && k < end; ++k)
+        points += fmt::format("{}{:.1f},{:.1f}", k == i ? "" : " ",
+                              x(0.5 * static_cast<double>(bins[k].begin + bins[k].end)), axis_.at(values[k]));
+      if (!points.empty()) svg += "<polyline points=\"" + points + "\"/>\n";
+      i = end + 1;
+    }
+    return svg;
+  }
+
+  struct Label {
+    std::size_t row = 0;
+    double end = 0, y = 0;  // of the curve, of the name
+  };
+
+  // Of all rows that anything is seen of, beside the ends of their curves but not over each other.
+  [[nodiscard]] std::vector<Label> placed_labels() const {
+    std::vector<Label> labels;
+    for (std::size_t row = 0; row < means_.size(); ++row) {
+      double last = 0;
+      for (const auto& clip : means_[row]) {
+        for (const double mean : clip) last = mean > 0 ? mean : last;
+      }
+      if (last > 0) labels.push_back({row, axis_.at(last), axis_.at(last)});
+    }
+    std::stable_sort(labels.begin(), labels.end(),
+                     [](const Label& a, const Label& b) { return a.end < b.end; });
+    const double gap =
+        std::min(kLabelGap, (kBottom - kTop) / std::max(1.0, static_cast<double>(labels.size()) - 1));
+    for (std::size_t i = 1; i < labels.size(); ++i)
+      labels[i].y = std::max(labels[i].y, labels[i - 1].y + gap);
+    double lowest = kBottom;
+    for (std::size_t i = labels.size(); i-- > 0; lowest = labels[i + 1].y - gap)
+      labels[i].y = std::min(labels[i].y, lowest);
+    return labels;
+  }
+
+  // The first row last, so that no other hides it.
+  [[nodiscard]] std::string curves() const {
+    const std::vector<Label> labels = placed_labels();
+    std::string svg;
+    for (std::size_t row = report_.rows.size(); row-- > 0;) {
+      std::string content;
+      for (std::size_t clip = 0; clip < clips_.size(); ++clip)
+        content += polylines(clips_[clip], means_[row][clip]);
+      const OverdrawRow& shown = report_.rows[row];
+      for (const Label& label : labels) {
+        if (label.row != row) continue;
+        content += line_svg(kRight + 2, label.end, kRight + 14, label.y, "leader");
+        content +=
+            text_svg(kRight + 18, label.y + 4, "start", "",
+                     abbreviated(shown.name, kNameLength) + " " + format_fixed(shown.key_frames.mean, 3));
+      }
+      svg += group_svg(row, shown.name, content);
+    }
+    return svg;
+  }
+
+  const OverdrawReport& report_;
+  std::size_t frames_;
+  std::vector<FrameRange> clips_;
+  Means means_;
+  Axis axis_;
+};
+
+std::string bars_svg(const OverdrawReport& report, double bottom) {
+  double most = 1;
+  for (const OverdrawRow& row : report.rows)
+    if (is_seen(row.key_frames.mean)) most = std::max(most, row.key_frames.mean);
+  const Axis axis(most, kBarLeft, kRight);
+  std::string svg = text_svg(20, 24, "start", "", "Mean overdraw (1 is the least)");
+  for (int i = 0; i <= axis.steps(); ++i) {
+    const double x = axis.at(axis.tick(i));
+    svg += line_svg(x, kTop - 16, x, bottom, i == 0 ? "axis" : "grid");
+    svg += text_svg(x, bottom + 18, "middle", "small soft", axis.label(i));
+  }
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    const OverdrawRow& row = report.rows[i];
+    const double y = kTop - 10 + kBarPitch * static_cast<double>(i);
+    const bool seen = is_seen(row.key_frames.mean);
+    const double end = seen ? axis.at(row.key_frames.mean) : kBarLeft;
+    svg += group_svg(i, row.name,
+                     fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+                                 kBarLeft, y, end - kBarLeft, kBarHeight) +
+                         text_svg(kBarLeft - 10, y + 14, "end", "", abbreviated(row.name, kNameLength)) +
+                         text_svg(end + 8, y + 14, "start", "",
+                                  seen ? format_fixed(row.key_frames.mean, 3) : "nothing seen"));
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
+  std::size_t frames = 0;
+  for (const OverdrawRow& row : report.rows) frames = std::max(frames, row.key_frames.by_frame.size());
+  const double bars_bottom = kTop - 10 + kBarPitch * static_cast<double>(report.rows.size());
+  double height = kHeight;
+  std::string content;
+  if (report.rows.empty()) {
+    height = kTop;
+    content = text_svg(20, 24, "start", "", "Nothing was measured.");
+  } else if (frames > 1) {
+    content = CurveChart(report, frames).svg();
+  } else {
+    height = bars_bottom + 30;
+    content = bars_svg(report, bars_bottom);
+  }
+  return fmt::format(
+      "<svg{} viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
+      "aria-label=\"Mean overdraw, key frame by key frame\" class=\"overdraw-chart\">\n{}\n<rect "
+      "width=\"100%\" height=\"100%\" class=\"ground\"/>\n{}</svg>\n",
+      place == ChartPlace::file ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", kWidth, height, kWidth,
+      height, kStyle, content);
+}
+
+std::string overdraw_chart(const OverdrawReport& report) {
+  return overdraw_chart_for(report, ChartPlace::file);
+}
+
+}  // namespace pellucid

@@ -21,6 +21,7 @@ void check_arguments(const OverdrawSubject& subject, const OverdrawOptions& opti
   if (!(options.lambda > 0)) refuse("overdraw: lambda must be positive");
   if (!(options.min_distance > 1) || !(options.max_distance >= options.min_distance))
     refuse("overdraw: distances must be more than one bounding radius, the least first");
+  if (options.most_views < 1) refuse("overdraw: one view or more must get an order of its own");
   if (options.size < 16 || options.size > 4096) refuse("overdraw: pictures have 16 to 4096 pixels a side");
 }
 

@@ -258,6 +258,7 @@ std::vector<std::uint32_t> ranks_by_part(std::span<const double> keys,
     means[patch_parts[patch]].count += 1;
   }
   std::vector<double> part_keys;
+  part_keys.reserve(means.size());
   for (const Mean& mean : means) part_keys.push_back(mean.count > 0 ? mean.sum / mean.count : 0);
   const std::vector<std::uint32_t> part_ranks = ranks_by_key(part_keys);
   std::vector<std::uint32_t> sequence(keys.size());

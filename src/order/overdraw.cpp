@@ -19,8 +19,27 @@ void check_arguments(const OverdrawSubject& subject, const OverdrawOptions& opti
   if (options.cache_size < 3) refuse("overdraw: the vertex cache must hold 3 vertices or more");
   if (options.view_level > 5) refuse("overdraw: viewpoints: the icosphere's level must be 0 to 5");
   if (!(options.lambda > 0)) refuse("overdraw: lambda must be positive");
-  if (!(options.min_distance > 1) || !(options.max_distance >= options.min_distance))
-    refuse("overdraw: distances must be more than one bounding radius, the least first");
+  if (!(options.min_distance > 1) || !(options.max_distance >= options.min_distance) ||
+      !std::isfinite(options.max_distance)) {
+    refuse("overdraw: distances must be finite, more than one bounding radius, the least first");
+  }
+  if (options.acmr && !(*options.acmr >= 0))
+    refuse("overdraw: the misses per triangle must be a number, 0 or more");
+  const std::size_t vertices = subject.frames.front().size();
+  for (const std::vector<Vec3f>& positions : subject.frames) {
+    if (positions.size() != vertices) refuse("overdraw: all frames must have the same vertices");
+  }
+  for (const Triangle& triangle : subject.triangles) {
+    if (std::max({triangle[0], triangle[1], triangle[2]}) >= vertices)
+      refuse("overdraw: a triangle has a vertex that is not there");
+  }
+  const auto& parts = subject.parts;
+  if (parts.front() != 0 || !std::is_sorted(parts.begin(), parts.end()) ||
+      parts.back() > subject.triangles.size()) {
+    refuse("overdraw: parts must ascend from triangle 0");
+  }
+  if (!subject.double_sided.empty() && subject.double_sided.size() != subject.triangles.size())
+    refuse("overdraw: double_sided must be empty or have one entry per triangle");
   if (options.most_views < 1) refuse("overdraw: one view or more must get an order of its own");
   if (options.size < 16 || options.size > 4096) refuse("overdraw: pictures have 16 to 4096 pixels a side");
 }
@@ -240,8 +259,9 @@ class OverdrawOrderer {
       ordered_.lists = joined_lists(ordered_.lists, patch_of);
       ordered_.patches = few.patches;
     }
+    // A view that all orders cost the same stays with those of its direction.
     Clustering all;
-    all.cluster_of.assign(training_.size(), 0);
+    all.cluster_of = start_of_best_;
     all.ranks = std::move(few.clustering.ranks);
     ordered_.clustering =
         improve_orders(costs_of(ordered_, kLastSweeps), std::move(all), {5, 2e-3}).clustering;
@@ -253,7 +273,7 @@ class OverdrawOrderer {
   }
 
   // A few rounds from each of some starts; the best of them.
-  [[nodiscard]] Clustering best_start(const OrderedPatches& few, std::span<const std::uint32_t> some) const {
+  [[nodiscard]] Clustering best_start(const OrderedPatches& few, std::span<const std::uint32_t> some) {
     Random random(options_.seed);
     const PatchCentroids centroids(subject_, few.patches);
     std::optional<Clustering> best;
@@ -261,10 +281,12 @@ class OverdrawOrderer {
       Clustering start = start_clusters(centroids, random);
       std::vector<std::uint32_t> cluster_of;
       for (const std::uint32_t view : some) cluster_of.push_back(start.cluster_of[view]);
-      start.cluster_of = std::move(cluster_of);
+      std::swap(start.cluster_of, cluster_of);
       Clustering found =
           improve_orders(costs_of(few, first_sweeps()), std::move(start), {kStartRounds, 0.02}).clustering;
-      if (!best || found.cost < best->cost) best = std::move(found);
+      if (best && found.cost >= best->cost) continue;
+      best = std::move(found);
+      start_of_best_ = std::move(cluster_of);
     }
     return *best;
   }
@@ -371,7 +393,8 @@ class OverdrawOrderer {
   std::vector<BoundingSphere> spheres_;  // by frame
   SiftLayersOptions sift_;
   std::vector<OverdrawView> training_, others_;
-  OrderedPatches ordered_;  // for the training views
+  OrderedPatches ordered_;                    // for the training views
+  std::vector<std::uint32_t> start_of_best_;  // clusters of the training views by direction
   OverdrawRun run_;
 };
 

@@ -64,7 +64,7 @@ std::vector<double> overdraw_table(const LayerLists& lists,
                                    const std::vector<std::vector<std::uint32_t>>& ranks) {
   const std::size_t orders = ranks.size();
   std::vector<double> table(lists.view_count() * orders, 0.0);
-  std::vector<std::array<std::uint8_t, kLanes>> excess(lists.pool.count());
+  std::vector<std::array<std::uint16_t, kLanes>> excess(lists.pool.count());
   for (std::size_t begin = 0; begin < orders; begin += kLanes) {
     const std::vector<RankRow> rows = side_by_side(ranks, begin);
     const std::size_t lanes = std::min(kLanes, orders - begin);
@@ -72,7 +72,7 @@ std::vector<double> overdraw_table(const LayerLists& lists,
       for (std::uint32_t i = range.begin(); i < range.end(); ++i) {
         const RankRow shaded = shaded_in_lanes(lists.pool.list(i), rows);
         for (std::size_t lane = 0; lane < kLanes; ++lane)
-          excess[i][lane] = static_cast<std::uint8_t>(std::min(shaded[lane] - 1, 255U));
+          excess[i][lane] = static_cast<std::uint16_t>(std::min(shaded[lane] - 1, 65535U));
       }
     });
     parallel_loop(std::uint32_t{0}, lists.view_count(), [&](std::uint32_t view) {

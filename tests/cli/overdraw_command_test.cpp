@@ -31,7 +31,8 @@ std::string moving_shells(const TemporaryFolder& folder) {
   for (nlohmann::json& material : model["materials"]) material.erase("alphaMode");
   const std::vector<float> data{0, 0.5F, 1, 0, 0, 0, 1.5F, 0, 0, 0, 0, 2};
   const auto buffer = model["buffers"].size();
-  model["buffers"].push_back({{"byteLength", 48}, {"uri", "data:application/octet-stream;base64," + base64(data)}});
+  model["buffers"].push_back(
+      {{"byteLength", 48}, {"uri", "data:application/octet-stream;base64," + base64(data)}});
   const auto view = model["bufferViews"].size();
   model["bufferViews"].push_back({{"buffer", buffer}, {"byteLength", 12}});
   model["bufferViews"].push_back({{"buffer", buffer}, {"byteOffset", 12}, {"byteLength", 36}});
@@ -110,8 +111,8 @@ TEST(OverdrawCommand, WritesTheSameBytesWithAnyNumberOfThreads) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
   for (const char* threads : {"1", "2"}) {
-    ASSERT_EQ(run_pellucid(quick(input, {"-o", folder.file(std::string(threads) + ".glb"), "--baselines", "none",
-                                         "--threads", threads}))
+    ASSERT_EQ(run_pellucid(quick(input, {"-o", folder.file(std::string(threads) + ".glb"), "--baselines",
+                                         "none", "--threads", threads}))
                   .code,
               0);
   }
@@ -121,8 +122,8 @@ TEST(OverdrawCommand, WritesTheSameBytesWithAnyNumberOfThreads) {
 TEST(OverdrawCommand, GivesEveryAnimationItsOwnBuffersOnDemand) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
-  const Finished done = run_pellucid(quick(input, {"-o", folder.file("o.glb"), "--per-animation", "--buffers", "2",
-                                                   "--baselines", "none", "--json", "-"}));
+  const Finished done = run_pellucid(quick(input, {"-o", folder.file("o.glb"), "--per-animation", "--buffers",
+                                                   "2", "--baselines", "none", "--json", "-"}));
   ASSERT_EQ(done.code, 0) << done.err;
   const nlohmann::json json = nlohmann::json::parse(done.out);
   EXPECT_EQ(json["joint"], false);
@@ -138,7 +139,8 @@ TEST(OverdrawCommand, NeverShadesMoreThanTheInput) {
   ASSERT_EQ(done.code, 0) << done.err;
   const nlohmann::json json = nlohmann::json::parse(done.out);
   EXPECT_EQ(json["buffer_count"], 1);
-  EXPECT_LE(json["overdraw"]["mean"].get<double>(), json["baselines"]["input"]["overdraw_mean"].get<double>());
+  EXPECT_LE(json["overdraw"]["mean"].get<double>(),
+            json["baselines"]["input"]["overdraw_mean"].get<double>());
 }
 
 TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
@@ -169,8 +171,8 @@ TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
 TEST(OverdrawCommand, WritesPictures) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
-  ASSERT_EQ(run_pellucid(quick(input, {"--baselines", "original", "--report", folder.file("r.html"), "--heatmaps",
-                                       folder.file("h.png"), "--chart", folder.file("c.svg")}))
+  ASSERT_EQ(run_pellucid(quick(input, {"--baselines", "original", "--report", folder.file("r.html"),
+                                       "--heatmaps", folder.file("h.png"), "--chart", folder.file("c.svg")}))
                 .code,
             0);
   EXPECT_EQ(slurp(folder.file("h.png")).substr(1, 3), "PNG");
@@ -183,8 +185,8 @@ TEST(OverdrawCommand, WritesPictures) {
 TEST(OverdrawCommand, SubdividesForMeasurements) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
-  const Finished done = run_pellucid(
-      quick(input, {"--subdivide", "1", "--whole", "--baselines", "none", "--animation", "out", "--json", "-"}));
+  const Finished done = run_pellucid(quick(
+      input, {"--subdivide", "1", "--whole", "--baselines", "none", "--animation", "out", "--json", "-"}));
   ASSERT_EQ(done.code, 0) << done.err;
   const nlohmann::json json = nlohmann::json::parse(done.out);
   const nlohmann::json whole =

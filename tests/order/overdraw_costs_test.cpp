@@ -117,7 +117,8 @@ TEST(SiftLayers, NeverWorseAndPartsStayTogether) {
     const std::vector<std::uint32_t> parts =
         trial % 3 == 0 ? parts_of_sizes({40}) : parts_of_sizes({13, 1, 17, 0, 9});
     const LayerLists lists = testing::random_lists(40, 10, 5, 40, random);
-    const std::vector<std::uint32_t> views = trial % 2 == 0 ? all_views(lists) : std::vector<std::uint32_t>{1, 3};
+    const std::vector<std::uint32_t> views =
+        trial % 2 == 0 ? all_views(lists) : std::vector<std::uint32_t>{1, 3};
     const std::vector<std::uint32_t> start = testing::random_part_ranks(parts, random);
     std::vector<std::uint32_t> ranks = start;
     sift_layers(lists, views, parts, {}, ranks);
@@ -215,8 +216,7 @@ TEST(SummedDistances, AreThoseOfCentroidsToTheEyes) {
   const std::vector<OverdrawView> views = testing::random_views(subject, 4, 31);
   const std::vector<BoundingSphere> spheres = pose_spheres(subject);
   const std::vector<std::uint32_t> chosen{0, 5, 7, 11};
-  const std::vector<double> sums =
-      summed_distances(PatchCentroids(subject, patches), views, chosen, spheres);
+  const std::vector<double> sums = summed_distances(PatchCentroids(subject, patches), views, chosen, spheres);
   ASSERT_EQ(sums.size(), patches.count());
   for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
     double expected = 0;
@@ -229,7 +229,8 @@ TEST(SummedDistances, AreThoseOfCentroidsToTheEyes) {
       centroid = centroid / (3.0 * static_cast<double>(patches.triangles_of(patch).size()));
       const BoundingSphere& sphere = spheres[views[v].frame];
       const Viewpoint& viewpoint = views[v].viewpoint;
-      expected += length(centroid - sphere.center - viewpoint.direction * (viewpoint.distance * sphere.radius));
+      expected +=
+          length(centroid - sphere.center - viewpoint.direction * (viewpoint.distance * sphere.radius));
     }
     EXPECT_NEAR(sums[patch], expected, 1e-4);
   }

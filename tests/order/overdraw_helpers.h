@@ -44,7 +44,8 @@ inline OverdrawSubject passing_spheres(std::uint32_t level, std::uint32_t frames
   const std::vector<Vec3f> start = subject.frames.front();
   subject.frames.assign(frames, start);
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
-    const float x = frames > 1 ? -1.5F + 3.0F * static_cast<float>(frame) / static_cast<float>(frames - 1) : 0;
+    const float x =
+        frames > 1 ? -1.5F + 3.0F * static_cast<float>(frame) / static_cast<float>(frames - 1) : 0;
     for (std::size_t i = 0; i < start.size(); ++i) {
       const float side = i < start.size() / 2 ? 1.0F : -1.0F;
       subject.frames[frame][i] += Vec3f{side * x, 0, side * 1.1F};

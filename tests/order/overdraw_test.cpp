@@ -25,7 +25,8 @@ OverdrawOptions small_options(OverdrawMethod method, std::uint32_t buffers) {
 
 constexpr OverdrawMethod kMethods[] = {OverdrawMethod::paper, OverdrawMethod::refined};
 
-void expect_valid(const OverdrawSubject& subject, const OverdrawOptions& options, const OverdrawOrders& made) {
+void expect_valid(const OverdrawSubject& subject, const OverdrawOptions& options,
+                  const OverdrawOrders& made) {
   const std::vector<std::uint32_t> parts = part_of_triangles(subject);
   ASSERT_EQ(made.sequence.size(), subject.triangles.size());
   EXPECT_TRUE(testing::is_permutation_of_all(made.sequence));
@@ -348,7 +349,8 @@ TEST(OrderOverdraw, FramesWithoutOwnOrdersHaveThoseOfTheNearest) {
   for (std::uint32_t frame = 0; frame < 6; ++frame) {
     for (std::uint32_t cell = 0; cell < 42; ++cell) {
       const std::uint32_t own = (frame + 1) / 2 * 2 < 6 ? (frame + 1) / 2 * 2 : 4;
-      EXPECT_EQ(made.cell_orders[std::size_t{frame} * 42 + cell], made.cell_orders[std::size_t{own} * 42 + cell]);
+      EXPECT_EQ(made.cell_orders[std::size_t{frame} * 42 + cell],
+                made.cell_orders[std::size_t{own} * 42 + cell]);
     }
   }
 }
@@ -444,7 +446,8 @@ TEST(StaticOverdrawOrder, OuterPatchesFirst) {
 TEST(StaticOverdrawOrder, KeepsPartsAndSurvivesAnything) {
   OverdrawSubject subject = testing::passing_spheres(2, 2);
   subject.parts = {0, 100, 100, 320};
-  for (std::size_t t = 0; t < subject.triangles.size(); t += 5) subject.triangles[t][1] = subject.triangles[t][0];
+  for (std::size_t t = 0; t < subject.triangles.size(); t += 5)
+    subject.triangles[t][1] = subject.triangles[t][0];
   subject.frames[1][7] = {kNan, kNan, kNan};
   const std::vector<std::uint32_t> parts = part_of_triangles(subject);
   for (const auto& positions : {Vec3f{0, 0, 0}, Vec3f{kNan, 0, 0}}) {

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
-#include "cache_walk.h"
-#include "keep_hidden.h"
 #include "merge_patches.h"
 #include "overdraw_helpers.h"
 #include "pellucid/metric.h"
@@ -16,7 +14,8 @@ namespace {
 std::vector<std::uint32_t> indices_of(const std::vector<Triangle>& triangles,
                                       const std::vector<std::uint32_t>& sequence) {
   std::vector<std::uint32_t> indices;
-  for (const std::uint32_t t : sequence) indices.insert(indices.end(), triangles[t].begin(), triangles[t].end());
+  for (const std::uint32_t t : sequence)
+    indices.insert(indices.end(), triangles[t].begin(), triangles[t].end());
   return indices;
 }
 
@@ -101,8 +100,9 @@ void expect_cut_where_due(const OverdrawSubject& subject, const std::vector<std:
 
 TEST(CutPatches, EndWhereTheyAreWorthIt) {
   const OverdrawSubject shells = testing::subject_of(testing::nested_spheres(2));
-  const OverdrawSubject parts = testing::subject_of({testing::icosphere_mesh(2), testing::random_soup(20, 1, 3),
-                                                     testing::icosphere_mesh(1), testing::icosphere_mesh(0)});
+  const OverdrawSubject parts =
+      testing::subject_of({testing::icosphere_mesh(2), testing::random_soup(20, 1, 3),
+                           testing::icosphere_mesh(1), testing::icosphere_mesh(0)});
   const OverdrawSubject knot = testing::sample_subject("torus-knot", 0.1, 1000);
   Random random(5);
   for (const OverdrawSubject* subject : {&shells, &parts, &knot}) {
@@ -128,7 +128,8 @@ TEST(CutPatches, LambdaThreeAndUnindexedMeshesGiveSingleTriangles) {
 }
 
 TEST(JoinPatches, KeepTheSequence) {
-  const OverdrawSubject subject = testing::subject_of({testing::icosphere_mesh(1), testing::icosphere_mesh(1)});
+  const OverdrawSubject subject =
+      testing::subject_of({testing::icosphere_mesh(1), testing::icosphere_mesh(1)});
   const Patches patches = cut_patches(subject, cache_order(subject, 16), 1.5, 16);
   Random random(3);
   std::vector<std::uint8_t> join(patches.count(), 0);
@@ -155,12 +156,13 @@ TEST(CacheOrders, ArePermutationsWithFewMisses) {
     const OverdrawSubject subject = testing::sample_subject(sample.name, 0.2, 2000);
     const auto vertices = static_cast<std::uint32_t>(subject.frames.front().size());
     std::vector<std::uint32_t> theirs(3 * subject.triangles.size());
-    const std::vector<std::uint32_t> indices = indices_of(subject.triangles, identity(subject.triangles.size()));
+    const std::vector<std::uint32_t> indices =
+        indices_of(subject.triangles, identity(subject.triangles.size()));
     meshopt_optimizeVertexCacheFifo(theirs.data(), indices.data(), indices.size(), vertices, 16);
     const auto bound =
         static_cast<double>(simulate_vertex_cache(theirs, vertices, CacheModel::fifo, 16).misses);
     const std::vector<std::uint32_t> plain = cache_order(subject, 16);
-    const std::vector<std::uint32_t> best = best_cache_order(subject, 16);
+    const std::vector<std::uint32_t> best = best_cache_order(subject, 16, 1);
     EXPECT_TRUE(testing::is_permutation_of_all(plain));
     EXPECT_TRUE(testing::is_permutation_of_all(best));
     const auto misses_of = [&](const std::vector<std::uint32_t>& sequence) {
@@ -168,7 +170,7 @@ TEST(CacheOrders, ArePermutationsWithFewMisses) {
     };
     EXPECT_LE(misses_of(plain), 1.05 * bound) << sample.name;
     EXPECT_LE(misses_of(best), 1.03 * bound) << sample.name;
-    EXPECT_LE(misses_of(best), 1.02 * misses_of(plain)) << sample.name;
+    EXPECT_LE(misses_of(best), misses_of(plain)) << sample.name;
   }
 }
 
@@ -178,42 +180,11 @@ TEST(CacheOrders, KeepPartsInTheirSequence) {
   subject.parts = {0, 80, 80, 90, 410};  // one is empty, and the last
   const std::vector<std::uint32_t> parts = part_of_triangles(subject);
   EXPECT_EQ(parts[80], 2U);
-  for (const auto& sequence : {cache_order(subject, 16), best_cache_order(subject, 16)}) {
+  for (const auto& sequence : {cache_order(subject, 16), best_cache_order(subject, 16, 1)}) {
     ASSERT_EQ(sequence.size(), 410U);
     EXPECT_TRUE(testing::is_permutation_of_all(sequence));
     for (std::size_t i = 1; i < sequence.size(); ++i) EXPECT_LE(parts[sequence[i - 1]], parts[sequence[i]]);
   }
-}
-
-TEST(CacheWalk, VisitsAllOfAnyMesh) {
-  const WalkWeights weights{1, 0.5, 1};
-  const auto walk = [&](const std::vector<Triangle>& triangles, std::uint32_t vertices) {
-    return cache_walk(triangles, 0, static_cast<std::uint32_t>(triangles.size()), vertices, 8, weights);
-  };
-  EXPECT_TRUE(walk({}, 0).empty());
-  EXPECT_TRUE(walk({}, 7).empty());
-  // Corners that are equal, vertices that nobody uses.
-  EXPECT_TRUE(testing::is_permutation_of_all(walk({{1, 1, 1}, {2, 2, 5}, {5, 2, 5}, {9, 1, 9}}, 20)));
-  // A fan of many about one edge, and one about one vertex with more corners than the cache holds.
-  std::vector<Triangle> edge, vertex;
-  for (std::uint32_t i = 0; i < 50; ++i) {
-    edge.push_back({0, 1, 2 + i});
-    vertex.push_back({0, 1 + 2 * i, 2 + 2 * i});
-  }
-  const std::vector<std::uint32_t> about_edge = walk(edge, 52);
-  EXPECT_TRUE(testing::is_permutation_of_all(about_edge));
-  EXPECT_TRUE(testing::is_permutation_of_all(walk(vertex, 101)));
-  Random random(9);
-  for (int trial = 0; trial < 20; ++trial) {
-    const std::vector<Triangle> any = random_triangles(60, 25, random);
-    EXPECT_TRUE(testing::is_permutation_of_all(walk(any, 25)));
-  }
-  // A range alone.
-  const std::vector<Triangle> any = random_triangles(60, 25, random);
-  std::vector<std::uint32_t> some = cache_walk(any, 20, 45, 25, 8, weights);
-  std::sort(some.begin(), some.end());
-  ASSERT_EQ(some.size(), 25U);
-  for (std::uint32_t i = 0; i < 25; ++i) EXPECT_EQ(some[i], 20 + i);
 }
 
 // ------------------------------------------------------------------------------------------------ merge
@@ -226,7 +197,7 @@ struct MergeCase {
 MergeCase merge_case(OverdrawSubject subject, std::uint32_t orders, double lambda) {
   MergeCase made{std::move(subject), {}};
   const OverdrawSubject& s = made.subject;
-  Patches patches = cut_patches(s, best_cache_order(s, 16), lambda, 16);
+  Patches patches = cut_patches(s, best_cache_order(s, 16, 1), lambda, 16);
   const std::vector<OverdrawView> views = testing::random_views(s, 12, 3);
   made.ordered.lists = list_layers(s, pose_spheres(s), patches, views, {48, 1, nullptr});
   made.ordered.patches = std::move(patches);
@@ -301,46 +272,6 @@ TEST(MergePatches, ReachTheMissesAskedForOrNothingIsLeftToJoin) {
   }
   const MergeCase soup = merge_case(testing::subject_of(testing::random_soup(30, 0.5, 3)), 2, 1.6);
   expect_merged(soup, 0.5);
-}
-
-// ---------------------------------------------------------------------------------------- save_misses
-
-TEST(SaveMisses, LosesNothing) {
-  OverdrawSubject shells = testing::subject_of(testing::nested_spheres(2));
-  OverdrawSubject soup = testing::subject_of(testing::random_soup(80, 0.5, 3));
-  Mesh copies = testing::icosphere_mesh(2);
-  testing::append(copies, testing::icosphere_mesh(2));
-  OverdrawSubject twins = testing::subject_of(copies);
-  twins.double_sided.assign(twins.triangles.size(), 1);
-  Random random(3);
-  for (const OverdrawSubject* subject : {&shells, &soup, &twins}) {
-    const auto count = static_cast<std::uint32_t>(subject->triangles.size());
-    const auto vertices = static_cast<std::uint32_t>(subject->frames.front().size());
-    // List patch t is triangle t.
-    Patches single;
-    single.sequence = identity(count);
-    single.offsets = identity(count + std::size_t{1});
-    single.parts.assign(count, 0);
-    const std::vector<OverdrawView> views = testing::random_views(*subject, 8, 7);
-    const LayerLists lists = list_layers(*subject, pose_spheres(*subject), single, views, {64, 1, nullptr});
-    const std::vector<WeightedList> weighted = weigh_lists(lists, identity(views.size()));
-    for (int trial = 0; trial < 2; ++trial) {
-      std::vector<std::uint32_t> ranks = testing::random_ranks(count, random);
-      sift_layers(lists, identity(views.size()), single.parts, {}, ranks);
-      const std::vector<std::uint32_t> before = sequence_of(ranks);
-      std::vector<std::uint32_t> after = before;
-      save_misses(*subject, lists.pool, weighted, 16, after, nullptr);
-      EXPECT_TRUE(testing::is_permutation_of_all(after));
-      ASSERT_EQ(after.size(), count);
-      const std::uint64_t misses = cache_misses(subject->triangles, before, vertices, 16);
-      EXPECT_LE(cache_misses(subject->triangles, after, vertices, 16), misses);
-      if (subject != &soup) {
-        EXPECT_LT(cache_misses(subject->triangles, after, vertices, 16), misses);
-      }
-      EXPECT_LE(excess_of(lists.pool, weighted, triangle_ranks(after)),
-                excess_of(lists.pool, weighted, ranks));
-    }
-  }
 }
 
 }  // namespace

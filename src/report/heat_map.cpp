@@ -12,7 +12,7 @@ constexpr Rgb kBackground{255, 255, 255};
 constexpr std::array<Rgb, kHeatSteps> kRamp{
     {{218, 228, 239}, {226, 170, 87}, {204, 101, 38}, {144, 45, 38}, {68, 16, 24}}};
 // Between pictures, and where a row has none.
-constexpr Rgb kGutterColor{150, 158, 168};
+constexpr Rgb kGutterColor{196, 203, 211};
 constexpr std::uint32_t kGutter = 2;  // pixels
 
 void paint(Image& image, std::uint32_t x, std::uint32_t y, const Rgb& color) {

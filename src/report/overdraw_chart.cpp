@@ -16,7 +16,7 @@ constexpr double kLeft = 60;
 constexpr double kRight = 800;  // names of the curves stand to the right
 constexpr double kTop = 60;
 constexpr double kBottom = 300;
-constexpr double kHeight = 350;
+constexpr double kHeight = 334;
 constexpr double kBarLeft = 150;  // names of the bars stand to the left
 constexpr double kBarPitch = 30;
 constexpr double kBarHeight = 18;
@@ -26,8 +26,8 @@ constexpr std::size_t kMostBins = 300;
 constexpr std::size_t kColors = 7;
 constexpr double kLabelGap = 17;         // between names of curves
 constexpr std::size_t kNameLength = 15;  // of rows, characters
-constexpr double kCharacter = 6.4;       // mean width at 12 pixels
-constexpr double kClipRoom = 52;         // for the name of a clip, even where the clip is narrower
+constexpr double kCharacter = 7.2;       // mean width at 12 pixels
+constexpr double kClipRoom = 84;         // for the name of a clip, even where the clip is narrower
 constexpr double kSeparatorGap = 6;      // clips closer than this have separators only beside their names
 
 // Names of its own, for on a page this style is everybody's. Colours after Okabe and Ito, with enough
@@ -226,29 +226,52 @@ class CurveChart {
     return svg;
   }
 
+  struct ClipName {
+    std::size_t frame = 0;  // that the clip begins with
+    std::string text;
+    double left = 0, right = 0;
+  };
+
   [[nodiscard]] std::string name_of(const FrameRange& clip) const {
     const bool is_named = clip.clip < report_.clips.size() && !report_.clips[clip.clip].name.empty();
     return is_named ? report_.clips[clip.clip].name : fmt::format("clip {}", clip.clip);
   }
 
-  // A name starts where its clip does, and only where the name before it has ended.
+  // Of the clips, in places that do not overlap; long clips choose first.
+  [[nodiscard]] std::vector<ClipName> placed_names() const {
+    std::vector<FrameRange> longest_first = clips_;
+    std::stable_sort(longest_first.begin(), longest_first.end(),
+                     [](const FrameRange& a, const FrameRange& b) { return a.size() > b.size(); });
+    std::vector<ClipName> names;
+    for (const FrameRange& clip : longest_first) {
+      const double left = x(static_cast<double>(clip.begin));
+      const double room = std::max(x(static_cast<double>(clip.end)) - left, kClipRoom);
+      const ClipName name{clip.begin, name_of(clip), left,
+                          left + std::min(room, kCharacter * static_cast<double>(name_of(clip).size()) + 10)};
+      if (std::none_of(names.begin(), names.end(), [&](const ClipName& other) {
+            return name.left < other.right - 1e-6 && other.left < name.right - 1e-6;
+          }))
+        names.push_back(name);
+    }
+    std::sort(names.begin(), names.end(),
+              [](const ClipName& a, const ClipName& b) { return a.frame < b.frame; });
+    return names;
+  }
+
   [[nodiscard]] std::string clip_names() const {
-    const bool has_room = (kRight - kLeft) / static_cast<double>(clips_.size()) >= kSeparatorGap;
     std::string svg;
-    double free = kLeft;
+    const bool has_room = (kRight - kLeft) / static_cast<double>(clips_.size()) >= kSeparatorGap;
     for (const FrameRange& clip : clips_) {
       const double left = x(static_cast<double>(clip.begin));
-      const bool is_named = left >= free - 1e-6;
-      if (clip.begin > 0 && (has_room || is_named))
-        svg += line_svg(left, kTop, left, is_named ? kBottom + 22 : kBottom, "clip");
-      if (!is_named) continue;
-      const double room = std::max(x(static_cast<double>(clip.end)) - left, kClipRoom) - 8;
-      const auto characters = static_cast<std::size_t>(room / kCharacter);
-      const std::string name = name_of(clip);
-      svg +=
-          fmt::format("<g><title>{}</title>\n{}</g>\n", escape_html(name),
-                      text_svg(left + 4, kBottom + 19, "start", "small soft", abbreviated(name, characters)));
-      free = left + std::min(room, kCharacter * static_cast<double>(name.size())) + 8;
+      if (has_room && clip.begin > 0) svg += line_svg(left, kTop, left, kBottom, "clip");
+    }
+    for (const ClipName& name : placed_names()) {
+      if (name.frame > 0)
+        svg += line_svg(name.left, has_room ? kBottom : kTop, name.left, kBottom + 22, "clip");
+      const auto characters = static_cast<std::size_t>((name.right - name.left - 10) / kCharacter + 1e-6);
+      svg += fmt::format("<g><title>{}</title>\n{}</g>\n", escape_html(name.text),
+                         text_svg(name.left + 4, kBottom + 19, "start", "small soft",
+                                  abbreviated(name.text, std::max<std::size_t>(characters, 1))));
     }
     return svg;
   }
@@ -296,8 +319,10 @@ class CurveChart {
     for (std::size_t i = 1; i < labels.size(); ++i)
       labels[i].y = std::max(labels[i].y, labels[i - 1].y + gap);
     double lowest = kBottom;
-    for (std::size_t i = labels.size(); i-- > 0; lowest = labels[i + 1].y - gap)
+    for (std::size_t i = labels.size(); i-- > 0;) {
       labels[i].y = std::min(labels[i].y, lowest);
+      lowest = labels[i].y - gap;
+    }
     return labels;
   }
 
@@ -357,9 +382,14 @@ std::string bars_svg(const OverdrawReport& report, double bottom) {
 
 }  // namespace
 
-std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
+std::size_t charted_frames(const OverdrawReport& report) {
   std::size_t frames = 0;
   for (const OverdrawRow& row : report.rows) frames = std::max(frames, row.key_frames.by_frame.size());
+  return frames;
+}
+
+std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
+  const std::size_t frames = charted_frames(report);
   const double bars_bottom = kTop - 10 + kBarPitch * static_cast<double>(report.rows.size());
   double height = kHeight;
   std::string content;

@@ -51,14 +51,15 @@ std::string headline(const OverdrawReport& report) {
     text += fmt::format(": {}, {} fragments shaded per pixel", plural(ours.buffers, "index buffer"),
                         overdraw_text(ours.key_frames.mean));
   }
-  text += fmt::format(
-      "</h1><p class=\"soft\">{} in {}, {}: a frame is drawn with the index buffer that its pose and "
-      "direction "
-      "of view have, so that what is in front is drawn first and the depth test rejects what it hides.",
-      plural(report.triangles, "triangle"), plural(report.parts, "draw call"),
-      report.clips.empty()
-          ? "one pose"
-          : plural(report.frames.size(), "key frame") + " of " + plural(report.clips.size(), "clip"));
+  text += fmt::format("</h1><p class=\"soft\">{} in {}, ", plural(report.triangles, "triangle"),
+                      plural(report.parts, "draw call"));
+  text += report.clips.empty()
+              ? "one pose: every direction of view has"
+              : fmt::format("{} of {}: every pose and direction of view has",
+                            plural(report.frames.size(), "key frame"), plural(report.clips.size(), "clip"));
+  text +=
+      " the index buffer that it is drawn with, so that what is in front is drawn first and the depth test "
+      "rejects what it hides.";
   if (report.measured_viewpoints > 0) {
     text += fmt::format(" Measured from {} that the orders were not made from, in {}.",
                         plural(report.measured_viewpoints, "random viewpoint"),
@@ -148,7 +149,7 @@ std::string methods_section(const OverdrawReport& report) {
 std::string chart_section(const OverdrawReport& report) {
   if (report.rows.empty()) return {};
   const std::string words =
-      report.frames.size() > 1
+      charted_frames(report) > 1
           ? "<h2>Over the animation</h2><p class=\"note\">Every point is the mean of a key frame over all "
             "viewpoints; the number beside a name is the mean of all. Where a curve is broken, nothing was "
             "in "

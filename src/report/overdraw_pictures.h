@@ -21,6 +21,9 @@ Rgb heat_color(std::uint32_t shaded);
 // Throws Error{bad_argument} when `map` has not size * size pixels.
 Image heat_picture(const HeatMap& map);
 
+// Key frames along the axis of the chart: those of the longest row. Up to one, the chart has bars.
+std::size_t charted_frames(const OverdrawReport& report);
+
 // overdraw_chart() for a file of its own, or as an element of a page, where a namespace is not needed.
 enum class ChartPlace { file, page };
 std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place);

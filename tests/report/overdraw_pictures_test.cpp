@@ -264,10 +264,12 @@ TEST(OverdrawHtml, ShowsTheNumbers) {
   report.views = 648;
   const std::string page = overdraw_html(report, kSheet);
   EXPECT_EQ(testing::first_nesting_error(page, "<html"), "");
+  const std::string ours =
+      "<tr class=\"ours\"><td>refined</td><td>5</td><td>0.850</td><td>1.100</td><td>0.100</td><td>40 %</td>"
+      "<td>1.350</td><td>1.125</td><td>1.750</td></tr>";
+  EXPECT_NE(page.find(ours), std::string::npos);
   for (const char* text :
-       {"<tr class=\"ours\"><td>refined</td><td>5</td><td>0.850</td><td>1.100</td><td>0.100</td><td>40 "
-        "%</td><td>1.350</td><td>1.125</td><td>1.750</td></tr>",
-        "<td>1.500</td><td>0.500</td><td>200 %</td>", "knight.glb: 5 index buffers", "12,996 triangles",
+       {"<td>1.500</td><td>0.500</td><td>200 %</td>", "knight.glb: 5 index buffers", "12,996 triangles",
         "4 key frames", "648", "a note", "<figcaption>paper: 3.000</figcaption>", "repeat(2,", "#dae4ef"})
     EXPECT_NE(page.find(text), std::string::npos) << text;
   EXPECT_EQ(count_of(page, "<figure>"), 3U);

@@ -104,7 +104,7 @@ class OverdrawOrderer {
       run_.seconds.patches = lap.lap();
       rasterize_training(coarse);
       run_.seconds.raster = lap.lap();
-      cluster_by_distance();
+      run_paper();
     } else {
       const Patches fine =
           options_.lambda >= kNoCache
@@ -200,24 +200,33 @@ class OverdrawOrderer {
     return start;
   }
 
-  // The rest of Algorithm 1.
-  void cluster_by_distance() {
-    begin_stage(options_.progress, "cluster", 0);
-    Random random(options_.seed);
-    const PatchCentroids centroids(subject_, ordered_.patches);
+  // The rest of Algorithm 1: patches by their distances, summed over the views of a cluster. `views` are
+  // those of the lists, as training views.
+  [[nodiscard]] Clustering cluster_by_distance(const OrderedPatches& ordered,
+                                               std::span<const std::uint32_t> views,
+                                               const PatchCentroids& centroids, Clustering start) const {
     OrderCosts costs;
-    costs.table = [&](const auto& ranks) { return overdraw_table(ordered_.lists, ranks); };
+    costs.table = [&](const auto& ranks) { return overdraw_table(ordered.lists, ranks); };
     costs.reorder = [&](const std::vector<std::uint8_t>& flagged, bool /*last*/, Clustering& clustering) {
       for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) {
         stop_if_requested(options_.progress);
         if (flagged[cluster] == 0) continue;
+        std::vector<std::uint32_t> own = cells_of_cluster(clustering.cluster_of, cluster);
+        for (std::uint32_t& view : own) view = views[view];
         clustering.ranks[cluster] =
-            ranks_by_part(summed_distances(centroids, training_,
-                                           cells_of_cluster(clustering.cluster_of, cluster), spheres_),
-                          ordered_.patches.parts);
+            ranks_by_part(summed_distances(centroids, training_, own, spheres_), ordered.patches.parts);
       }
     };
-    ordered_.clustering = improve_orders(costs, start_clusters(centroids, random), {30, 0.0}).clustering;
+    return improve_orders(costs, std::move(start), {kDistanceRounds, 0.0}).clustering;
+  }
+
+  void run_paper() {
+    begin_stage(options_.progress, "cluster", 0);
+    Random random(options_.seed);
+    const PatchCentroids centroids(subject_, ordered_.patches);
+    std::vector<std::uint32_t> all(training_.size());
+    std::iota(all.begin(), all.end(), 0U);
+    ordered_.clustering = cluster_by_distance(ordered_, all, centroids, start_clusters(centroids, random));
   }
 
   // Misses per triangle of the paper's orders for these clusters of some training views.
@@ -272,7 +281,7 @@ class OverdrawOrderer {
     return subject_.frames.size() == 1 ? kLastSweeps : kFirstSweeps;
   }
 
-  // A few rounds from each of some starts; the best of them.
+  // From each of some starts the paper's clustering, then a few rounds of ours; the best of them.
   [[nodiscard]] Clustering best_start(const OrderedPatches& few, std::span<const std::uint32_t> some) {
     Random random(options_.seed);
     const PatchCentroids centroids(subject_, few.patches);
@@ -282,6 +291,8 @@ class OverdrawOrderer {
       std::vector<std::uint32_t> cluster_of;
       for (const std::uint32_t view : some) cluster_of.push_back(start.cluster_of[view]);
       std::swap(start.cluster_of, cluster_of);
+      // Distances put patches in order that hardly any of the pixels at hand shows.
+      start = cluster_by_distance(few, some, centroids, std::move(start));
       Clustering found =
           improve_orders(costs_of(few, first_sweeps()), std::move(start), {kStartRounds, 0.02}).clustering;
       if (best && found.cost >= best->cost) continue;
@@ -346,31 +357,47 @@ class OverdrawOrderer {
     return orders;
   }
 
-  // Views that took no part in training get the order that is cheapest for them.
+  // Views that took no part in training get the order of their viewpoint in the key frames that did, before
+  // and after theirs, where these agree, else the order that is cheapest for them.
   [[nodiscard]] std::vector<std::uint32_t> cell_orders() const {
     const std::uint32_t cells = partition_.cell_count();
     const Clustering& clustering = ordered_.clustering;
-    std::vector<std::uint32_t> orders(std::size_t{cells} * subject_.frames.size(), 0);
+    std::vector<std::uint32_t> orders(std::size_t{cells} * subject_.frames.size(), kUnknown);
+    if (clustering.cluster_count() < 2) return std::vector<std::uint32_t>(orders.size(), 0);
     for (std::size_t i = 0; i < training_.size(); ++i)
       orders[std::size_t{training_[i].frame} * cells + training_[i].cell] = clustering.cluster_of[i];
-    if (clustering.cluster_count() < 2) return orders;
-    std::vector<std::uint8_t> known(orders.size(), 0);
-    for (const OverdrawView& view : training_) known[std::size_t{view.frame} * cells + view.cell] = 1;
-    begin_stage(options_.progress, "assign", others_.size());
-    const std::vector<std::uint32_t> cheapest =
-        cheapest_for(subject_, spheres_, ordered_.patches, clustering.ranks, others_,
-                     {options_.size, 1, options_.progress});
-    for (std::size_t i = 0; i < others_.size(); ++i) {
-      const std::size_t at = std::size_t{others_[i].frame} * cells + others_[i].cell;
-      orders[at] = cheapest[i];
-      known[at] = 1;
+    fill_between(orders);
+
+    std::vector<OverdrawView> views;
+    for (const OverdrawView& view : others_) {
+      if (orders[std::size_t{view.frame} * cells + view.cell] == kUnknown) views.push_back(view);
     }
+    begin_stage(options_.progress, "assign", views.size());
+    const std::vector<std::uint32_t> cheapest =
+        cheapest_for(subject_, spheres_, ordered_.patches, clustering.ranks, views, choice_options(options_));
+    for (std::size_t i = 0; i < views.size(); ++i)
+      orders[std::size_t{views[i].frame} * cells + views[i].cell] = cheapest[i];
     for (std::size_t i = 0; i < orders.size(); ++i) {
       const auto frame = static_cast<std::uint32_t>(i / cells);
-      if (known[i] == 0) orders[i] = orders[std::size_t{nearest_own(frame)} * cells + i % cells];
+      if (orders[i] == kUnknown) orders[i] = orders[std::size_t{nearest_own(frame)} * cells + i % cells];
     }
     return orders;
   }
+
+  void fill_between(std::vector<std::uint32_t>& orders) const {
+    const std::size_t cells = partition_.cell_count();
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+      std::size_t last = orders.size();  // entry of the last key frame that is known
+      for (std::size_t i = cell; i < orders.size(); i += cells) {
+        if (orders[i] == kUnknown) continue;
+        if (last < orders.size() && orders[last] == orders[i]) {
+          for (std::size_t k = last + cells; k < i; k += cells) orders[k] = orders[i];
+        }
+        last = i;
+      }
+    }
+  }
+  static constexpr std::uint32_t kUnknown = 0xFFFFFFFFU;
 
   // Patches that the refined method starts from have about so many misses per triangle by themselves.
   static constexpr double kFineLambda = 1.6;
@@ -384,6 +411,7 @@ class OverdrawOrderer {
   static constexpr double kAcmrMargin = 0.994;
   static constexpr int kStarts = 3;
   static constexpr std::uint32_t kStartRounds = 6;
+  static constexpr std::uint32_t kDistanceRounds = 30;  // it converges in a few
   // Of sifting: orders change again anyway, and in the end.
   static constexpr std::uint32_t kFirstSweeps = 3, kLastSweeps = 8;
 

@@ -108,7 +108,7 @@ OverdrawSubject double_sided_soup() {
   return soup;
 }
 
-TEST(OrderOverdraw, EveryViewHasTheCheapestOfTheOrders) {
+TEST(OrderOverdraw, EveryTrainingViewHasTheCheapestOfTheOrders) {
   const OverdrawSubject subjects[] = {testing::passing_spheres(2, 3), double_sided_soup(),
                                       testing::twisted(testing::sample_subject("torus-knot", 0.05, 600), 2)};
   for (const OverdrawSubject& subject : subjects) {
@@ -123,11 +123,17 @@ TEST(OrderOverdraw, EveryViewHasTheCheapestOfTheOrders) {
           const std::vector<std::vector<double>> table = recount(subject, options, made);
           ASSERT_EQ(table.size(), made.cell_orders.size());
           double sum = 0;
+          std::vector<double> sums(made.orders.size(), 0.0);
           for (std::size_t view = 0; view < table.size(); ++view) {
             const double own = table[view][made.cell_orders[view]];
-            EXPECT_NEAR(own, *std::min_element(table[view].begin(), table[view].end()), 1e-12) << view;
+            if (most_training == 6000U) {
+              EXPECT_NEAR(own, *std::min_element(table[view].begin(), table[view].end()), 1e-12) << view;
+            }
             sum += own;
+            for (std::size_t order = 0; order < sums.size(); ++order) sums[order] += table[view][order];
           }
+          // Views between others may have the order of these.
+          EXPECT_LE(sum, *std::min_element(sums.begin(), sums.end()) + 1e-9);
           if (most_training == 6000U) {
             EXPECT_EQ(made.run.training_views, made.run.views);
             EXPECT_NEAR(made.run.training_overdraw, 1 + sum / static_cast<double>(table.size()), 1e-9);

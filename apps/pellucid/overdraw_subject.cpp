@@ -91,14 +91,15 @@ struct PrimitiveOrder {
 class OrderSplitter {
  public:
   OrderSplitter(const PosedSubject& posed, const OverdrawSets& sets, const OverdrawOptions& options)
-      : posed_(posed), sets_(sets), options_(options) {
-    rest_ = {posed.subject.triangles, posed.subject.parts, posed.subject.double_sided, {posed.rest}};
+      : posed_(posed), sets_(sets) {
+    const OverdrawSubject rest{
+        posed.subject.triangles, posed.subject.parts, posed.subject.double_sided, {posed.rest}};
     Mesh mesh;
     mesh.positions = posed.rest;
     mesh.triangles = posed.subject.triangles;
     sphere_ = bounding_sphere(mesh);
     rest_orders_ = posed.clips.empty() ? sets.sets.front().cell_orders
-                                       : cheapest_orders(rest_, sets.sets.front(), options);
+                                       : cheapest_orders(rest, sets.sets.front(), options);
   }
 
   OrderedPrimitive primitive(std::size_t part) const {
@@ -188,8 +189,6 @@ class OrderSplitter {
 
   const PosedSubject& posed_;
   const OverdrawSets& sets_;
-  const OverdrawOptions& options_;
-  OverdrawSubject rest_;
   BoundingSphere sphere_;
   std::vector<std::uint32_t> rest_orders_;
 };

@@ -1,9 +1,13 @@
 // pellucid overdraw.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "cli/command_line.h"
+#include "pellucid/asset.h"
+#include "pellucid/overdraw.h"
+#include "pellucid/scene.h"
 
 namespace pellucid::testing {
 namespace {
@@ -26,7 +30,7 @@ std::string base64(const std::vector<float>& values) {
 // Opaque shells one of which moves out of the others and back, in two clips.
 std::string moving_shells(const TemporaryFolder& folder) {
   const std::string still = folder.file("still.gltf");
-  EXPECT_EQ(run_pellucid({"sample", "nested-shells", "-o", still, "--detail", "0.1"}).code, 0);
+  EXPECT_EQ(run_pellucid({"sample", "nested-shells", "-o", still, "--detail", "0.05"}).code, 0);
   nlohmann::json model = parse_json_file(still);
   for (nlohmann::json& material : model["materials"]) material.erase("alphaMode");
   const std::vector<float> data{0, 0.5F, 1, 0, 0, 0, 1.5F, 0, 0, 0, 0, 2};
@@ -105,6 +109,85 @@ TEST(OverdrawCommand, OrdersAnAnimatedModelAndSaysHowWell) {
     EXPECT_EQ(primitive["orders"]["animations"][0]["key_frames"], 3);
   }
   EXPECT_TRUE(found) << inspected.dump(1).substr(0, 2000);
+}
+
+// A file as a renderer draws it: every primitive by its own orders, in the sequence of their ranks.
+class FileDrawing {
+ public:
+  explicit FileDrawing(const std::string& path) : model_(read_model(path)), posable_(model_) {
+    subject_.triangles = posable_.triangles();
+    subject_.parts.clear();
+    for (const ModelPart& part : posable_.parts()) subject_.parts.push_back(part.first_triangle);
+    for (std::uint32_t clip = 0; clip < posable_.clips().size(); ++clip) {
+      for (const double time : posable_.clips()[clip].key_times) {
+        at_.push_back({clip, time});
+        subject_.frames.emplace_back();
+        posable_.pose(clip, time, subject_.frames.back());
+        Mesh mesh;
+        mesh.triangles = subject_.triangles;
+        mesh.positions = subject_.frames.back();
+        spheres_.push_back(bounding_sphere(mesh));
+      }
+    }
+    for (std::size_t order = 0; order < orders_of(0).orders.size(); ++order) add_order(order);
+  }
+
+  // Mean overdraw, selected by time and eye as a program does.
+  double measure(const OverdrawMeasurement& measurement) const {
+    const OverdrawContender file{
+        "file", [this](std::uint32_t frame, const Viewpoint& viewpoint) {
+          const Vec3d eye =
+              spheres_[frame].center + viewpoint.direction * (viewpoint.distance * spheres_[frame].radius);
+          return std::span<const std::uint32_t>(
+              ranks_[select_order_at(orders_of(0), at_[frame].clip, at_[frame].time, eye)]);
+        }};
+    return measure_posed_overdraw(subject_, std::span(&file, 1), measurement).front().mean;
+  }
+
+ private:
+  struct Moment {
+    std::uint32_t clip;
+    double time;
+  };
+
+  [[nodiscard]] const OrderSet& orders_of(std::size_t part) const {
+    return *model_.primitives[posable_.parts()[part].primitive].orders;
+  }
+  void add_order(std::size_t order) {
+    std::vector<std::pair<std::uint32_t, std::size_t>> parts;
+    for (std::size_t part = 0; part < posable_.parts().size(); ++part)
+      parts.emplace_back(orders_of(part).model_ranks[order], part);
+    std::sort(parts.begin(), parts.end());
+    std::vector<std::uint32_t> sequence;
+    for (const auto& [rank, part] : parts) {
+      for (const NodeId node : orders_of(part).orders[order])
+        sequence.push_back(posable_.parts()[part].first_triangle + triangle_of(node));
+    }
+    ranks_.push_back(triangle_ranks(sequence));
+  }
+
+  Model model_;
+  PosableModel posable_;
+  OverdrawSubject subject_;
+  std::vector<Moment> at_;
+  std::vector<BoundingSphere> spheres_;
+  std::vector<std::vector<std::uint32_t>> ranks_;
+};
+
+TEST(OverdrawCommand, TheFileDrawsAsMeasured) {
+  const TemporaryFolder folder;
+  const std::string input = moving_shells(folder);
+  for (const char* encoding : {"patches", "indices", "meshopt"}) {
+    const std::string output = folder.file(std::string(encoding) + ".glb");
+    const Finished done = run_pellucid(quick(input, {"-o", output, "--encoding", encoding, "--sides",
+                                                     "single", "--baselines", "none", "--json", "-"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    OverdrawMeasurement measurement;
+    measurement.size = 64;
+    measurement.most_pictures = 60;
+    const double told = nlohmann::json::parse(done.out)["overdraw"]["mean"].get<double>();
+    EXPECT_NEAR(FileDrawing(output).measure(measurement), told, 1e-6) << encoding;
+  }
 }
 
 TEST(OverdrawCommand, WritesTheSameBytesWithAnyNumberOfThreads) {

@@ -58,7 +58,7 @@ struct OverdrawOptions {
   std::uint32_t most_training_views = 6000;
   // Layers behind pixels, of all these views together, that are kept: of deep models some pixels are left
   // out. 12 bytes each, at most.
-  std::uint64_t most_layers = 3'000'000;
+  std::uint64_t most_layers = 6'000'000;
   // Views that get an order of their own: of more, only some key frames do, and the others what the nearest
   // of these has.
   std::uint64_t most_views = 30'000;

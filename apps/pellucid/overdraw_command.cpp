@@ -143,12 +143,7 @@ OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& o
     own.orders.front().push_back(part);
   }
   own.patch_offsets.push_back(static_cast<std::uint32_t>(subject.triangles.size()));
-  Mesh mesh;
-  mesh.triangles = subject.triangles;
-  for (const std::vector<Vec3f>& positions : subject.frames) {
-    mesh.positions = positions;
-    own.spheres.push_back(bounding_sphere(mesh));
-  }
+  own.spheres = pose_spheres(subject);
   const std::size_t cells = 10 * (std::size_t{1} << (2 * options.view_level)) + 2;
   own.cell_orders.assign(cells * subject.frames.size(), 0);
   sets.sets.push_back(std::move(own));

@@ -11,8 +11,10 @@
 // 1 is the least. Excess overdraw is OVR - 1.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +22,7 @@
 
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
+#include "pellucid/raster.h"
 #include "pellucid/view.h"
 
 namespace pellucid {
@@ -54,7 +57,8 @@ struct OverdrawOptions {
   // Distances of these viewpoints, bounding radii: spread over the range.
   double min_distance = 1.5, max_distance = 3;
   std::uint32_t size = 256;  // pixels per side of the pictures that overdraw is counted in
-  // Views that orders are made from; more are only given their best order in the end. 0: all.
+  // Views that orders are made from. The others get the order of the same viewpoint in the key frames around
+  // theirs where these agree, else the cheapest for them. 0: all.
   std::uint32_t most_training_views = 6000;
   // Layers behind pixels, of all these views together, that are kept: of deep models some pixels are left
   // out. 12 bytes each, at most.
@@ -101,6 +105,9 @@ OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOpti
 // has the triangles and parts that the orders were made for. O(frames * viewpoints * raster).
 std::vector<std::uint32_t> cheapest_orders(const OverdrawSubject& poses, const OverdrawOrders& orders,
                                            const OverdrawOptions& options);
+
+// Of every frame, round the vertices that triangles use.
+std::vector<BoundingSphere> pose_spheres(const OverdrawSubject& subject);
 
 // Triangles in drawing order.
 std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order);
@@ -155,7 +162,26 @@ std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subje
                                                     std::span<const OverdrawContender> contenders,
                                                     const OverdrawMeasurement& options);
 
-// Fragments shaded at every pixel of one picture, and the pictures of it: see metric.h.
+// Fragments of one pixel, sorted by depth, that pass a strict depth test when drawn by rank_of(fragment): of
+// those at one depth only the first drawn can. Fragments of the greatest rank are not drawn.
+template <class RankOf>
+std::uint32_t count_shaded(std::span<const Fragment> fragments, const RankOf& rank_of) {
+  constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t shaded = 0;
+  std::uint32_t first = kNotDrawn;  // least rank of everything nearer
+  for (std::size_t i = 0; i < fragments.size();) {
+    const float depth = fragments[i].depth;
+    std::uint32_t rank = kNotDrawn;
+    for (; i < fragments.size() && fragments[i].depth == depth; ++i)
+      rank = std::min(rank, rank_of(fragments[i]));
+    if (rank >= first) continue;
+    first = rank;
+    ++shaded;
+  }
+  return shaded;
+}
+
+// Fragments shaded at every pixel of one picture, size x size, upper row first.
 std::vector<std::uint32_t> shaded_fragments(const OverdrawSubject& subject, std::uint32_t frame,
                                             const Viewpoint& viewpoint, std::uint32_t size,
                                             std::span<const std::uint32_t> ranks);

@@ -40,9 +40,8 @@ OverdrawSets order_overdraw_sets(const OverdrawSubject& subject, const std::vect
 struct OverdrawRival {
   std::string name;  // "refined", "paper", "single", "per-frame", "meshopt", "original", "input"
   std::uint32_t buffers = 1;
-  double acmr = 0;                                // mean over its buffers
-  std::vector<std::vector<std::uint32_t>> ranks;  // of every buffer, by triangle
-  OverdrawContender contender;                    // refers to `ranks` by shared data of its own
+  double acmr = 0;              // mean over its buffers
+  OverdrawContender contender;  // holds its ranks by itself
 };
 OverdrawRival rival_of(const std::string& name, const OverdrawSubject& subject, OverdrawSets sets,
                        std::uint32_t cache_size);

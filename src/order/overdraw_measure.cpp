@@ -2,7 +2,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "base/parallel.h"
 #include "pose_raster.h"
@@ -10,20 +9,9 @@
 namespace pellucid {
 namespace {
 
-// Fragments that pass a strict depth test when drawn by rank: of those at one depth only the first drawn can.
-std::uint32_t count_shaded(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks) {
-  std::uint32_t shaded = 0;
-  std::uint32_t first = std::numeric_limits<std::uint32_t>::max();
-  for (std::size_t i = 0; i < fragments.size();) {
-    const float depth = fragments[i].depth;
-    std::uint32_t rank = std::numeric_limits<std::uint32_t>::max();
-    for (; i < fragments.size() && fragments[i].depth == depth; ++i)
-      rank = std::min(rank, ranks[fragments[i].node / 2]);
-    if (rank >= first) continue;
-    first = rank;
-    ++shaded;
-  }
-  return shaded;
+// Drawn by rank of the triangle.
+std::uint32_t count_by_triangle(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks) {
+  return count_shaded(fragments, [&](const Fragment& fragment) { return ranks[fragment.node / 2]; });
 }
 
 std::vector<OverdrawView> pictures_of(const OverdrawSubject& subject, const OverdrawMeasurement& options) {
@@ -62,7 +50,7 @@ std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subje
     rasters.local().draw(views[v], [&](std::uint64_t /*pixel*/, std::span<const Fragment> fragments) {
       ++covered;
       for (std::size_t c = 0; c < ranks.size(); ++c)
-        shaded[c] += fragments.size() == 1 ? 1 : count_shaded(fragments, ranks[c]);
+        shaded[c] += fragments.size() == 1 ? 1 : count_by_triangle(fragments, ranks[c]);
     });
     for (std::size_t c = 0; c < ranks.size() && covered > 0; ++c)
       ratios[v * ranks.size() + c] = static_cast<double>(shaded[c]) / static_cast<double>(covered);
@@ -101,7 +89,7 @@ std::vector<std::uint32_t> shaded_fragments(const OverdrawSubject& subject, std:
   std::vector<std::uint32_t> shaded(std::size_t{size} * size, 0);
   PoseRaster(subject, spheres, size)
       .draw({frame, 0, viewpoint}, [&](std::uint64_t pixel, std::span<const Fragment> fragments) {
-        shaded[pixel] = count_shaded(fragments, ranks);
+        shaded[pixel] = count_by_triangle(fragments, ranks);
       });
   return shaded;
 }

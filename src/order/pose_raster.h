@@ -18,8 +18,6 @@ struct OverdrawView {
   Viewpoint viewpoint;
 };
 
-std::vector<BoundingSphere> pose_spheres(const OverdrawSubject& subject);
-
 // Draws poses of a subject. One per thread.
 class PoseRaster {
  public:

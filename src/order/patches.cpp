@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/parallel.h"
@@ -126,20 +127,47 @@ std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const 
 
 namespace {
 
-// Every part by itself: order_part(mesh, no constraints, which nodes it has).
+// One part as a mesh of its own.
+struct PartMesh {
+  Mesh mesh;  // only as many positions as there are vertices
+  std::uint32_t first_triangle = 0;
+  SequenceConstraints none;         // nothing must come before anything
+  std::vector<std::uint8_t> drawn;  // by node: every triangle once
+
+  // Of a global list by node.
+  [[nodiscard]] std::span<const std::uint32_t> own(const std::vector<std::uint32_t>& of_nodes) const {
+    return std::span(of_nodes).subspan(2 * std::size_t{first_triangle}, 2 * mesh.triangles.size());
+  }
+};
+
+// Every part by itself, in time and memory by its own size: order_part(PartMesh).
 template <class OrderPart>
 std::vector<std::uint32_t> order_parts(const OverdrawSubject& subject, const OrderPart& order_part) {
-  Mesh mesh;
-  mesh.positions = subject.frames.front();
-  mesh.triangles = subject.triangles;
-  const std::size_t nodes = 2 * mesh.triangles.size();
-  const SequenceConstraints none{std::vector<std::uint32_t>(nodes + 1, 0), {}};
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> numbers(subject.frames.front().size(), kNone);
   std::vector<std::uint32_t> sequence;
   for (std::size_t part = 0; part < subject.parts.size(); ++part) {
-    std::vector<std::uint8_t> drawn(nodes, 0);
-    for (std::uint32_t t = subject.parts[part]; t < end_of_part(subject, part); ++t)
-      drawn[node_of(t, false)] = 1;
-    for (const NodeId node : order_part(mesh, none, drawn)) sequence.push_back(triangle_of(node));
+    PartMesh own;
+    own.first_triangle = subject.parts[part];
+    std::vector<std::uint32_t> used;
+    for (std::uint32_t t = own.first_triangle; t < end_of_part(subject, part); ++t) {
+      Triangle corners = subject.triangles[t];
+      for (std::uint32_t& vertex : corners) {
+        if (numbers[vertex] == kNone) {
+          numbers[vertex] = static_cast<std::uint32_t>(used.size());
+          used.push_back(vertex);
+        }
+        vertex = numbers[vertex];
+      }
+      own.mesh.triangles.push_back(corners);
+    }
+    own.mesh.positions.resize(used.size());
+    for (const std::uint32_t vertex : used) numbers[vertex] = kNone;
+    const std::size_t nodes = 2 * own.mesh.triangles.size();
+    own.none.offsets.assign(nodes + 1, 0);
+    own.drawn.assign(nodes, 0);
+    for (std::uint32_t t = 0; 2 * t < nodes; ++t) own.drawn[node_of(t, false)] = 1;
+    for (const NodeId node : order_part(own)) sequence.push_back(own.first_triangle + triangle_of(node));
   }
   return sequence;
 }
@@ -149,8 +177,8 @@ std::vector<std::uint32_t> order_parts(const OverdrawSubject& subject, const Ord
 std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size) {
   std::vector<std::uint32_t> ranks(2 * subject.triangles.size());
   std::iota(ranks.begin(), ranks.end(), 0U);
-  return order_parts(subject, [&](const Mesh& mesh, const SequenceConstraints& none, const auto& drawn) {
-    return tipsify(mesh, none, ranks, drawn, cache_size);
+  return order_parts(subject, [&](const PartMesh& part) {
+    return tipsify(part.mesh, part.none, part.own(ranks), part.drawn, cache_size);
   });
 }
 
@@ -166,14 +194,15 @@ std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std:
     if (&start == &ranks.front()) continue;
     for (std::size_t i = start.size(); i-- > 1;) std::swap(start[i], start[random.below(i + 1)]);
   }
-  return order_parts(subject, [&](const Mesh& mesh, const SequenceConstraints& none, const auto& drawn) {
+  return order_parts(subject, [&](const PartMesh& part) {
     std::array<NodeSequence, kStarts> trials;
     parallel_loop(std::size_t{0}, kStarts, [&](std::size_t i) {
-      trials[i] =
-          gather_visits(mesh, none, tipsify(mesh, none, ranks[i], drawn, cache_size), cache_size, nullptr);
+      trials[i] = gather_visits(part.mesh, part.none,
+                                tipsify(part.mesh, part.none, part.own(ranks[i]), part.drawn, cache_size),
+                                cache_size, nullptr);
     });
     return *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
-      return fifo_misses(mesh, a, cache_size) < fifo_misses(mesh, b, cache_size);
+      return fifo_misses(part.mesh, a, cache_size) < fifo_misses(part.mesh, b, cache_size);
     });
   });
 }

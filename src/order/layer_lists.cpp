@@ -166,9 +166,13 @@ LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingS
   return lists;
 }
 
-LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of) {
+namespace {
+
+// Lists of other items: rename(item) gives the item that it becomes, and the place where that draws it.
+template <class Rename>
+LayerLists renamed_lists(const LayerLists& lists, const Rename& rename) {
   constexpr std::uint32_t kNoList = std::numeric_limits<std::uint32_t>::max();
-  LayerLists joined;
+  LayerLists renamed;
   std::vector<std::uint32_t> new_number(lists.pool.count());
   std::vector<Layer> layers;
   std::vector<std::uint32_t> places;
@@ -176,14 +180,15 @@ LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> 
     layers.clear();
     places.clear();
     for (const Layer layer : lists.pool.list(i)) {
-      layers.push_back(patch_of[patch_of_layer(layer)] | (layer & kTieBit));
-      places.push_back(patch_of_layer(layer));  // members of a patch are drawn by number
+      const auto [item, place] = rename(patch_of_layer(layer));
+      layers.push_back(item | (layer & kTieBit));
+      places.push_back(place);
     }
     drop_hidden(layers, places);
-    new_number[i] = layers.size() < 2 ? kNoList : joined.pool.number_of(layers);
+    new_number[i] = layers.size() < 2 ? kNoList : renamed.pool.number_of(layers);
   }
-  joined.covered = lists.covered;
-  std::vector<std::uint32_t> pixels(joined.pool.count(), 0);
+  renamed.covered = lists.covered;
+  std::vector<std::uint32_t> pixels(renamed.pool.count(), 0);
   std::vector<std::uint32_t> used;
   for (std::uint32_t view = 0; view < lists.view_count(); ++view) {
     used.clear();
@@ -194,12 +199,25 @@ LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> 
       pixels[number] += use.pixels;
     }
     for (const std::uint32_t number : used) {
-      joined.uses.push_back({number, pixels[number]});
+      renamed.uses.push_back({number, pixels[number]});
       pixels[number] = 0;
     }
-    joined.offsets.push_back(joined.uses.size());
+    renamed.offsets.push_back(renamed.uses.size());
   }
-  return joined;
+  return renamed;
+}
+
+}  // namespace
+
+LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of) {
+  // Members of a patch are drawn by number.
+  return renamed_lists(lists, [&](std::uint32_t patch) { return std::pair(patch_of[patch], patch); });
+}
+
+LayerLists lists_of_patches(const LayerLists& lists, const PatchPlaces& places) {
+  return renamed_lists(lists, [&](std::uint32_t triangle) {
+    return std::pair(places.patch_of[triangle], places.place_of[triangle]);
+  });
 }
 
 LayerLists lists_of_views(const LayerLists& lists, std::span<const std::uint32_t> views) {

@@ -76,6 +76,8 @@ LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingS
 
 // The lists after patches were joined with their successors: `patch_of` the old ones.
 LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of);
+// The lists of patches from those of single triangles.
+LayerLists lists_of_patches(const LayerLists& lists, const PatchPlaces& places);
 // Those of some views.
 LayerLists lists_of_views(const LayerLists& lists, std::span<const std::uint32_t> views);
 

@@ -74,21 +74,6 @@ std::vector<double> misses_saved(const OverdrawSubject& subject, const Patches& 
   return saved;
 }
 
-// What it costs to move an item to right before or behind the target, and past it with `pass_target`.
-double cost_of_moving(const WishRow& row, std::span<const std::uint32_t> ranks, NodeId item, NodeId target,
-                      bool pass_target) {
-  const std::uint32_t from = ranks[item];
-  const std::uint32_t to = ranks[target];
-  double cost = 0;
-  for (std::size_t i = 0; i < row.neighbors.size(); ++i) {
-    if (row.neighbors[i] == target && !pass_target) continue;
-    const std::uint32_t there = ranks[row.neighbors[i]];
-    if (from < there && there <= to) cost += static_cast<double>(row.weights[i]);
-    if (to <= there && there < from) cost -= static_cast<double>(row.weights[i]);
-  }
-  return cost;
-}
-
 // What it costs a cluster to draw a patch right before its successor: the one goes to the other.
 struct JoinCost {
   double excess = 0;     // kOverdrawUnit, summed over views
@@ -153,6 +138,20 @@ std::vector<std::uint32_t> joined_ranks(std::span<const std::uint32_t> ranks,
 }
 
 }  // namespace
+
+double cost_of_moving(const WishRow& row, std::span<const std::uint32_t> ranks, NodeId item, NodeId target,
+                      bool pass_target) {
+  const std::uint32_t from = ranks[item];
+  const std::uint32_t to = ranks[target];
+  double cost = 0;
+  for (std::size_t i = 0; i < row.neighbors.size(); ++i) {
+    if (row.neighbors[i] == target && !pass_target) continue;
+    const std::uint32_t there = ranks[row.neighbors[i]];
+    if (from < there && there <= to) cost += static_cast<double>(row.weights[i]);
+    if (to <= there && there < from) cost -= static_cast<double>(row.weights[i]);
+  }
+  return cost;
+}
 
 std::vector<std::uint32_t> sequence_of(std::span<const std::uint32_t> ranks) {
   std::vector<std::uint32_t> sequence(ranks.size());

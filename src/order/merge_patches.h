@@ -37,6 +37,11 @@ std::vector<std::uint32_t> merge_patches(const OverdrawSubject& subject, const M
 double mean_acmr(const OverdrawSubject& subject, const Patches& patches,
                  const std::vector<std::vector<std::uint32_t>>& ranks, std::uint32_t cache_size);
 
+// What it costs to move a patch, whose wishes these are, to right before or behind the target, and past it
+// with `pass_target`.
+double cost_of_moving(const WishRow& row, std::span<const std::uint32_t> ranks, NodeId item, NodeId target,
+                      bool pass_target);
+
 // Patches by rank.
 std::vector<std::uint32_t> sequence_of(std::span<const std::uint32_t> ranks);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "compact_patches.h"
 #include "merge_patches.h"
 #include "overdraw_costs.h"
 
@@ -105,7 +106,7 @@ class OverdrawOrderer {
       rasterize_training(coarse);
       run_.seconds.raster = lap.lap();
       run_paper();
-    } else {
+    } else if (!refine_single(coarse, lap)) {
       const Patches fine =
           options_.lambda >= kNoCache
               ? coarse
@@ -274,6 +275,34 @@ class OverdrawOrderer {
     all.ranks = std::move(few.clustering.ranks);
     ordered_.clustering =
         improve_orders(costs_of(ordered_, kLastSweeps), std::move(all), {5, 2e-3}).clustering;
+  }
+
+  // One order for one pose: compact patches, which need no runs of a cache order. False: not for these
+  // options, or so few misses are not to be had with them.
+  bool refine_single(const Patches& coarse, Stopwatch& lap) {
+    if (subject_.frames.size() > 1 || options_.buffers > 1 || options_.lambda >= kNoCache) return false;
+    run_.seconds.patches = lap.lap();
+    rasterize_training(single_triangles(subject_));
+    run_.seconds.raster = lap.lap();
+    begin_stage(options_.progress, "cluster", 0);
+    std::vector<std::uint32_t> all(training_.size());
+    std::iota(all.begin(), all.end(), 0U);
+    CompactOptions compact;
+    compact.cache_size = options_.cache_size;
+    compact.seed = options_.seed;
+    compact.sift = sift_;
+    compact.sift.sweeps = kFirstSweeps;
+    compact.first_ranks = [&](const Patches& patches) {
+      return ranks_by_part(summed_distances(PatchCentroids(subject_, patches), training_, all, spheres_),
+                           patches.parts);
+    };
+    compact.acmr = options_.acmr
+                       ? *options_.acmr
+                       : mean_acmr(subject_, coarse, {compact.first_ranks(coarse)}, options_.cache_size);
+    std::optional<OrderedPatches> found = compact_patches(subject_, ordered_.lists, compact);
+    if (!found) return false;
+    ordered_ = *std::move(found);
+    return true;
   }
 
   // One pose is cheap.

@@ -251,6 +251,8 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   options.settings.seed = session.options().seed;
   if (options.no_baselines) options.baselines = "none";
   if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
+  if (!options.report.empty()) check_writable(options.report);
+  session.check_json();
   begin_stage(session.progress(), "reading", 0);
   std::vector<Input> inputs = read_inputs(options, session);
   std::optional<Input> original;

@@ -45,6 +45,7 @@ class Batch {
   }
 
   void run(const std::function<BatchOutcome(const BatchJob&)>& order) {
+    session_.check_json();
     for (std::size_t i = 0; i < jobs_.size() && !report_.interrupted; ++i) {
       session_.set_file(
           fmt::format("{}/{} {}", i + 1, jobs_.size(), fs::path(jobs_[i].input).filename().string()));

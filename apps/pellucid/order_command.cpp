@@ -345,6 +345,7 @@ void run_order(OrderCommandOptions options, Session& session) {
   const OrderCommandOptions own =
       options_of({all_inputs(options.run).front(), options.output, options.run.checkpoint});
   if (!own.output.empty()) check_output(own.output);
+  session.check_json();
   if (own.dry_run) {
     dry_run(own, session);
   } else {

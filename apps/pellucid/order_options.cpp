@@ -9,6 +9,7 @@
 #include "choice.h"
 #include "order_outcome.h"
 #include "pellucid/shading.h"
+#include "session.h"
 
 namespace pellucid::cli {
 namespace {

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 
+#include "session.h"
+
 namespace pellucid::cli {
 namespace {
 
@@ -27,17 +29,6 @@ std::string shortfall(const Reached& reached, const OrderOptions& target) {
 }
 
 }  // namespace
-
-void check_writable(const std::string& path) {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code ignored;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
-    throw Error(ErrorKind::cannot_write, path + ": cannot write: there is no folder " + folder.string());
-  }
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw Error(ErrorKind::cannot_write, path + ": cannot write: it is a directory");
-  }
-}
 
 void check_frontier_path(const std::string& path) {
   if (!is_svg(path) && std::filesystem::path(path).extension() != ".json") {

@@ -10,10 +10,7 @@
 
 namespace pellucid::cli {
 
-// Throws Error{cannot_write} if there is no such folder, or the path is one: known now, not after minutes of
-// work.
-void check_writable(const std::string& path);
-// The same, and Error{bad_argument} for an extension that is none of .json and .svg.
+// As check_writable() does, and Error{bad_argument} for an extension that is none of .json and .svg.
 void check_frontier_path(const std::string& path);
 void write_frontier(const FrontierReport& report, const std::vector<std::string>& paths);
 

@@ -248,6 +248,9 @@ void prepare(Model& model) {
 
 void check_options(const OverdrawCommandOptions& options) {
   if (!options.output.empty()) check_output(options.output);
+  for (const std::string& path : {options.report, options.chart, options.heatmaps}) {
+    if (!path.empty()) check_writable(path);
+  }
   const bool cannot_write = options.subject.subdivisions > 0 || options.subject.whole;
   if (!options.output.empty() && cannot_write) {
     throw Error(ErrorKind::bad_argument,
@@ -257,6 +260,7 @@ void check_options(const OverdrawCommandOptions& options) {
 
 void run_overdraw(OverdrawCommandOptions options, Session& session) {
   check_options(options);
+  session.check_json();
   options.orders.seed = session.options().seed;
   options.orders.progress = session.progress();
   const Stopwatch total;

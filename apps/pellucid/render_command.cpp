@@ -57,6 +57,8 @@ void run_render(const RenderOptions& options, Session& session) {
     throw Error(ErrorKind::bad_argument,
                 "--technique: '" + options.technique + "' is not there (see pellucid techniques)");
   }
+  check_writable(options.output);
+  session.check_json();
   const Stopwatch watch;
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);

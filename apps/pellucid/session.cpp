@@ -1,9 +1,12 @@
 // What the subcommands share: see session.h.
 #include "session.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 #include "terminal_progress.h"
 
@@ -61,6 +64,10 @@ void Session::detail(const std::string& line) const {
   std::fprintf(stderr, "pellucid: %s\n", line.c_str());
 }
 
+void Session::check_json() const {
+  if (!options_.json.empty() && options_.json != "-") check_writable(options_.json);
+}
+
 void Session::write_json(const std::string& json) const {
   static_cast<TerminalProgress&>(*progress_).clear();
   if (options_.json.empty()) return;
@@ -69,6 +76,22 @@ void Session::write_json(const std::string& json) const {
   } else {
     write_file_atomically(options_.json, json);
   }
+}
+
+void check_writable(const std::string& path) {
+  const auto refuse = [&](const std::string& reason) {
+    throw Error(ErrorKind::cannot_write, path + ": cannot write: " + reason);
+  };
+  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) refuse("there is no folder " + folder);
+  if (std::filesystem::is_directory(path, ignored)) refuse("it is a directory");
+  // A device is written into, a file is replaced: by another that is made in its folder.
+  const bool exists = std::filesystem::exists(path, ignored);
+  if (exists && ::access(path.c_str(), W_OK) != 0) refuse(std::strerror(errno));
+  const bool replaced = !exists || std::filesystem::is_regular_file(path, ignored);
+  if (replaced && ::access(folder.c_str(), W_OK | X_OK) != 0) refuse(std::strerror(errno));
 }
 
 int exit_code(ErrorKind kind) {

@@ -42,6 +42,8 @@ class Session {
   // One line of an error, even with --quiet.
   void complain(const std::string& message) const;
   void detail(const std::string& line) const;  // only with --verbose
+  // Throws as check_writable() does if what --json asked for cannot be written.
+  void check_json() const;
   // Writes what --json asked for.
   void write_json(const std::string& json) const;
 
@@ -49,6 +51,10 @@ class Session {
   CommonOptions options_;
   std::unique_ptr<Progress> progress_;
 };
+
+// Throws Error{cannot_write} if there is no such folder, the path is one, or writing is not permitted: known
+// now, not after minutes of work.
+void check_writable(const std::string& path);
 
 // "pellucid: message" on stderr, on one line.
 void complain(const std::string& message);

@@ -97,6 +97,21 @@ TEST(BadOutput, MissingFolder) {
   expect_refused(run_pellucid({"render", samples().plain, "-o", png, "--size", "16x16"}), 1, png);
 }
 
+TEST(BadOutput, IsFoundBeforeAnyWork) {
+  const TemporaryFolder folder;
+  const std::string missing = folder.file("no/such.file");
+  Arguments order = quick_order(samples().plain, folder.file("out.glb"));
+  order.insert(order.end(), {"--json", missing});
+  expect_refused(run_pellucid(order), 1, missing);
+  for (const char* option : {"--json", "--report", "--chart", "--heatmaps"}) {
+    expect_refused(run_pellucid({"overdraw", samples().plain, "-o", folder.file("out.glb"), option, missing}),
+                   1, missing);
+  }
+  expect_refused(run_pellucid({"measure", samples().ordered, "--report", missing}), 1, missing);
+  expect_refused(run_pellucid({"measure", samples().ordered, "--json", missing}), 1, missing);
+  EXPECT_TRUE(folder.files().empty());
+}
+
 TEST(BadOutput, ADirectoryIsInTheWay) {
   const TemporaryFolder folder;
   const std::string path = folder.file("out.glb");

@@ -110,7 +110,8 @@ class OverdrawOrderer {
       const Patches fine =
           options_.lambda >= kNoCache
               ? coarse
-              : cut_patches(subject_, best_cache_order(subject_, options_.cache_size, options_.seed),
+              : cut_patches(subject_,
+                            best_cache_order(subject_, options_.cache_size, options_.seed, options_.progress),
                             std::max(kFineLambda, options_.lambda), options_.cache_size);
       run_.seconds.patches = lap.lap();
       rasterize_training(fine);

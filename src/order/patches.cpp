@@ -183,7 +183,7 @@ std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint
 }
 
 std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size,
-                                            std::uint64_t seed) {
+                                            std::uint64_t seed, const Progress* progress) {
   // Where tipsify goes after a dead end: by number, and at random.
   constexpr std::size_t kStarts = 4;
   Random random(seed);
@@ -199,7 +199,7 @@ std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std:
     parallel_loop(std::size_t{0}, kStarts, [&](std::size_t i) {
       trials[i] = gather_visits(part.mesh, part.none,
                                 tipsify(part.mesh, part.none, part.own(ranks[i]), part.drawn, cache_size),
-                                cache_size, nullptr);
+                                cache_size, progress);
     });
     return *std::min_element(trials.begin(), trials.end(), [&](const auto& a, const auto& b) {
       return fifo_misses(part.mesh, a, cache_size) < fifo_misses(part.mesh, b, cache_size);

@@ -51,7 +51,8 @@ std::vector<std::uint32_t> part_of_triangles(const OverdrawSubject& subject);
 
 // As cache_order(), with fewer misses: the best of some starts after a local search. (A walk after Lin and
 // Yu, TVCG 2006, has 3 % fewer misses still, but its long strips make patches that hide each other.)
+// `progress` (may be null) is only asked whether to stop.
 std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size,
-                                            std::uint64_t seed);
+                                            std::uint64_t seed, const Progress* progress = nullptr);
 
 }  // namespace pellucid

@@ -187,6 +187,19 @@ TEST(CacheOrders, KeepPartsInTheirSequence) {
   }
 }
 
+class Stop : public Progress {
+ public:
+  void begin(std::string_view /*name*/, std::uint64_t /*total*/) override {}
+  void advance(std::uint64_t /*amount*/) override {}
+  [[nodiscard]] bool stop_requested() const override { return true; }
+};
+
+TEST(CacheOrders, StopWhenAskedTo) {
+  const OverdrawSubject subject = testing::subject_of({testing::icosphere_mesh(2)});
+  const Stop stop;
+  EXPECT_THROW(best_cache_order(subject, 16, 1, &stop), Error);
+}
+
 // ------------------------------------------------------------------------------------------------ merge
 
 struct MergeCase {

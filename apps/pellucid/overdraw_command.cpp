@@ -239,11 +239,15 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
   return report;
 }
 
-// Formats other than glTF are written anew: what cannot be drawn is left out for good.
-void prepare(Model& model) {
+// Formats other than glTF are written anew: what cannot be drawn is left out for good, and the material is
+// one that the orders are made for.
+void prepare(Model& model, SidesChoice sides) {
   if (is_gltf(model)) return;
-  for (Primitive& primitive : model.primitives)
+  for (Primitive& primitive : model.primitives) {
     primitive.mesh = compacted(clean(primitive.mesh, {}, primitive.name).mesh);
+    primitive.alpha_mode = AlphaMode::opaque;
+    primitive.double_sided = sides == SidesChoice::both;
+  }
 }
 
 void check_options(const OverdrawCommandOptions& options) {
@@ -266,7 +270,7 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
   const Stopwatch total;
   begin_stage(session.progress(), "reading", 0);
   Model model = read_model(options.input);
-  prepare(model);
+  prepare(model, options.subject.sides);
   const PosedSubject posed = make_subject(model, options.subject);
   for (const std::string& note : posed.notes) session.note(model.path + ": " + note);
   stop_if_signalled();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstring>
 
 #include "cli/command_line.h"
@@ -27,12 +28,19 @@ std::string base64(const std::vector<float>& values) {
   return text;
 }
 
+// A sample with opaque materials, as JSON for a .gltf in that folder.
+nlohmann::json opaque_sample(const TemporaryFolder& folder, const std::string& name,
+                             const std::string& detail) {
+  const std::string path = folder.file("sample.gltf");
+  EXPECT_EQ(run_pellucid({"sample", name, "-o", path, "--detail", detail}).code, 0);
+  nlohmann::json model = parse_json_file(path);
+  for (nlohmann::json& material : model["materials"]) material.erase("alphaMode");
+  return model;
+}
+
 // Opaque shells one of which moves out of the others and back, in two clips.
 std::string moving_shells(const TemporaryFolder& folder) {
-  const std::string still = folder.file("still.gltf");
-  EXPECT_EQ(run_pellucid({"sample", "nested-shells", "-o", still, "--detail", "0.05"}).code, 0);
-  nlohmann::json model = parse_json_file(still);
-  for (nlohmann::json& material : model["materials"]) material.erase("alphaMode");
+  nlohmann::json model = opaque_sample(folder, "nested-shells", "0.05");
   const std::vector<float> data{0, 0.5F, 1, 0, 0, 0, 1.5F, 0, 0, 0, 0, 2};
   const auto buffer = model["buffers"].size();
   model["buffers"].push_back(
@@ -224,6 +232,34 @@ TEST(OverdrawCommand, NeverShadesMoreThanTheInput) {
   EXPECT_EQ(json["buffer_count"], 1);
   EXPECT_LE(json["overdraw"]["mean"].get<double>(),
             json["baselines"]["input"]["overdraw_mean"].get<double>());
+}
+
+TEST(OverdrawCommand, GivesAMeshWithoutMaterialOneThatItsOrdersHoldFor) {
+  const TemporaryFolder folder;
+  const std::string mesh = folder.file("tetrahedron.obj");
+  spill(mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string output = folder.file("out.glb");
+  for (const char* sides : {"auto", "both"}) {
+    const Finished done = run_pellucid(quick(mesh, {"-o", output, "--sides", sides, "--baselines", "none"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    const Model written = read_model(output);
+    EXPECT_EQ(written.primitives[0].alpha_mode, AlphaMode::opaque);
+    EXPECT_EQ(written.primitives[0].double_sided, std::string(sides) == "both");
+  }
+}
+
+TEST(OverdrawCommand, InterruptedLeavesNothing) {
+  const TemporaryFolder input;
+  const std::string knot = input.file("knot.gltf");
+  spill(knot, opaque_sample(input, "torus-knot", "2").dump());
+  const TemporaryFolder folder;
+  const Finished done =
+      interrupt_pellucid({"overdraw", knot, "-o", folder.file("out.gltf"), "--size", "1024", "--report",
+                          folder.file("out.html"), "--json", folder.file("out.json")},
+                         SIGINT, 0.6);
+  EXPECT_EQ(done.code, 130) << done.err;
+  EXPECT_EQ(done.err, "pellucid: interrupted\n");
+  EXPECT_TRUE(folder.files().empty());
 }
 
 TEST(OverdrawCommand, RefusesWhatMakesNoSense) {

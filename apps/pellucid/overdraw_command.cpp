@@ -279,12 +279,15 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
 
   OverdrawSets sets =
       order_overdraw_sets(posed.subject, posed.frames, options.orders, !options.per_animation);
+  const Stopwatch making_rivals;
   Contest contest = enter_contest(options, posed, sets);
+  const double seconds_rivals = making_rivals.seconds();
   Stopwatch measuring;
   std::vector<OverdrawRow> rows = measure_all(model, options, posed, contest, session);
   OverdrawReport report = new_report(options, posed, sets);
   report.seconds_measure = measuring.seconds();
   report.seconds_read = seconds_read;
+  report.seconds_rivals = seconds_rivals;
   // Never worse than the file was.
   if (rows[0].key_frames.mean > rows[1].key_frames.mean) {
     report.notes.emplace_back("the file's own order shades less in vain than any that was found: it is kept");

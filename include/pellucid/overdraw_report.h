@@ -90,7 +90,8 @@ struct OverdrawReport {
   std::uint64_t memory_bytes = 0;  // of all index buffers, when drawn
   std::uint64_t disk_bytes = 0, file_bytes = 0;
   std::vector<std::string> files, notes;
-  OverdrawSeconds seconds;  // of the orders
+  OverdrawSeconds seconds;    // of the orders
+  double seconds_rivals = 0;  // what the orders are compared with
   double seconds_read = 0, seconds_measure = 0, seconds_write = 0, seconds_total = 0;
   std::uint64_t peak_rss_bytes = 0;
 };

@@ -77,8 +77,7 @@ class GltfModelReader {
         model_.instances.push_back({name, static_cast<std::uint32_t>(p), world});
       }
     });
-    if (skinned > 0)
-      note(plural(skinned, "skinned mesh", "skinned meshes") + ": static orders do not hold for these");
+    if (skinned > 0) note(plural(skinned, "skinned mesh", "skinned meshes") + ": only overdraw orders hold");
     if (gpu_instanced > 0) {
       note(plural(gpu_instanced, "node", "nodes") +
            " with EXT_mesh_gpu_instancing: kept, counted as one instance each");

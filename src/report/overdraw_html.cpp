@@ -168,20 +168,22 @@ std::string heat_legend() {
   return text + "</ul>";
 }
 
-// A row per method. All rows have the columns of the longest, so that frames stand below each other.
+// A row per method. All rows have the columns of the longest, so that frames stand below each other. Of one
+// pose there is one picture per method: side by side.
 std::string sheet_section(const std::vector<std::vector<HeatMap>>& sheet) {
   std::size_t columns = 0;
   for (const std::vector<HeatMap>& row : sheet) columns = std::max(columns, row.size());
   if (columns == 0) return {};
-  std::string text =
-      "<h2>Where fragments are shaded in vain</h2><p class=\"note\">A row per method, a column per key "
-      "frame, all "
-      "of a column from the same viewpoint. Pale: shaded once, as it has to be. Darker: shaded again, each "
-      "time "
-      "by something nearer. Below each picture its overdraw.</p>" +
-      heat_legend();
-  text += fmt::format(
-      "<div class=\"sheet\" style=\"grid-template-columns:repeat({},minmax(112px,260px))\">\n", columns);
+  std::string text = "<h2>Where fragments are shaded in vain</h2><p class=\"note\">";
+  text += columns == 1 ? "A picture per method, all from the same viewpoint."
+                       : "A row per method, a column per key frame, all of a column from the same viewpoint.";
+  text +=
+      " Pale: shaded once, as it has to be. Darker: shaded again, each time by something nearer. Below each "
+      "picture its overdraw.</p>";
+  text += heat_legend();
+  text +=
+      fmt::format("<div class=\"sheet\" style=\"grid-template-columns:repeat({},minmax(112px,260px))\">\n",
+                  columns == 1 ? 4 : columns);
   for (const std::vector<HeatMap>& row : sheet) {
     for (std::size_t i = 0; i < columns; ++i) {
       const bool is_there = i < row.size() && row[i].size > 0;
@@ -221,9 +223,10 @@ std::string settings_section(const OverdrawReport& report) {
       fmt::format("{}: patches {}, pictures {}, clusters {}, assignment {}", format_seconds(seconds.total),
                   format_seconds(seconds.patches), format_seconds(seconds.raster),
                   format_seconds(seconds.cluster), format_seconds(seconds.assign)));
-  add("time in all", fmt::format("{}: read {}, measure {}, write {}", format_seconds(report.seconds_total),
-                                 format_seconds(report.seconds_read), format_seconds(report.seconds_measure),
-                                 format_seconds(report.seconds_write)));
+  add("time in all",
+      fmt::format("{}: read {}, rivals {}, measure {}, write {}", format_seconds(report.seconds_total),
+                  format_seconds(report.seconds_read), format_seconds(report.seconds_rivals),
+                  format_seconds(report.seconds_measure), format_seconds(report.seconds_write)));
   add("memory", report.peak_rss_bytes > 0 ? format_bytes(report.peak_rss_bytes) + " at most" : "");
   add("index data",
       fmt::format("{} drawn, {} stored", format_bytes(report.memory_bytes), format_bytes(report.disk_bytes)));

@@ -81,7 +81,7 @@ std::string to_json(const OverdrawReport& report) {
                      {"patches", report.seconds.patches}, {"raster", report.seconds.raster},
                      {"cluster", report.seconds.cluster}, {"assign", report.seconds.assign},
                      {"order", report.seconds.total},     {"measure", report.seconds_measure},
-                     {"write", report.seconds_write}};
+                     {"write", report.seconds_write},     {"rivals", report.seconds_rivals}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["notes"] = report.notes;
   return dump(json);
@@ -104,16 +104,19 @@ std::string to_text(const OverdrawReport& report) {
     table.add_row(std::move(cells));
   }
   std::string text = report.rows.empty() ? "" : table.to_string();
-  text += fmt::format("{} triangles in {} patches, {} key frames x {} viewpoints; measured from {} others\n",
-                      format_count(report.triangles), format_count(report.patches),
-                      format_count(report.frames.size()), report.viewpoints, report.measured_viewpoints);
+  const std::size_t frames = report.frames.size();
+  text += fmt::format("{} triangles in {} patches, {} key frame{} x {} viewpoints; measured from {} others\n",
+                      format_count(report.triangles), format_count(report.patches), format_count(frames),
+                      frames == 1 ? "" : "s", report.viewpoints, report.measured_viewpoints);
   if (!report.output.empty()) {
     text += fmt::format("{}: {} ({} for orders)\n", report.output, format_bytes(report.file_bytes),
                         format_bytes(report.disk_bytes));
   }
-  text += fmt::format("{} in all (orders {}, measured in {}), peak memory {}\n",
-                      format_seconds(report.seconds_total), format_seconds(report.seconds.total),
-                      format_seconds(report.seconds_measure), format_bytes(report.peak_rss_bytes));
+  text +=
+      fmt::format("{} in all (orders {}, what they are compared with {}, measured in {}), peak memory {}\n",
+                  format_seconds(report.seconds_total), format_seconds(report.seconds.total),
+                  format_seconds(report.seconds_rivals), format_seconds(report.seconds_measure),
+                  format_bytes(report.peak_rss_bytes));
   return text;
 }
 

@@ -1,0 +1,57 @@
+# Shaders become SPIR-V at build time and are embedded: name in the program, source below shaders/, definitions.
+# A shader that is compiled in several forms is listed once for each.
+set(PELLUCID_SHADERS
+  "interface/scene.vert|interface/scene.vert|"
+  "capture/bounds.frag|capture/bounds.frag|"
+  "capture/clear_bounds.comp|capture/clear_bounds.comp|"
+  "capture/count.frag|capture/count.frag|"
+  "capture/fill_arrays.frag|capture/fill_arrays.frag|"
+  "capture/fill_lists.frag|capture/fill_lists.frag|"
+  "capture/fill_ranges.frag|capture/fill_ranges.frag|"
+  "capture/offsets.comp|capture/offsets.comp|"
+  "resolve/clear_tiles.comp|resolve/clear_tiles.comp|")
+foreach(storage ranges lists arrays)
+  string(TOUPPER ${storage} define)
+  list(APPEND PELLUCID_SHADERS "resolve/classify_${storage}.comp|resolve/classify.comp|${define}")
+  foreach(room 4 8 16 32)
+    list(APPEND PELLUCID_SHADERS "resolve/${storage}_${room}.comp|resolve/lists.comp|${define} ROOM=${room}")
+  endforeach()
+  list(APPEND PELLUCID_SHADERS "resolve/${storage}_long.comp|resolve/lists.comp|${define} ROOM=32 LONG")
+  list(APPEND PELLUCID_SHADERS "resolve/${storage}_plain.comp|resolve/lists.comp|${define} ROOM=128 PLAIN")
+endforeach()
+
+# pellucid_shaders(<target>): compile all of them, and one generated source with the table that shader_code() reads.
+function(pellucid_shaders target)
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/shaders)
+  file(MAKE_DIRECTORY ${folder})
+  set(arrays "")
+  set(table "")
+  set(names "")
+  set(outputs "")
+  foreach(entry ${PELLUCID_SHADERS})
+    string(REPLACE "|" ";" parts "${entry}")
+    list(GET parts 0 name)
+    list(GET parts 1 source)
+    list(GET parts 2 definitions)
+    separate_arguments(definitions)
+    list(TRANSFORM definitions PREPEND "-D")
+    string(MAKE_C_IDENTIFIER ${name} identifier)
+    set(output ${folder}/${identifier}.inc)
+    # SPIR-V of Vulkan 1.2: what Mesa 22 reads without trouble.
+    add_custom_command(OUTPUT ${output}
+      COMMAND ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.2 -O -mfmt=c -MD -MF ${output}.d ${definitions}
+              -o ${output} ${PROJECT_SOURCE_DIR}/shaders/${source}
+      DEPENDS ${PROJECT_SOURCE_DIR}/shaders/${source}
+      DEPFILE ${output}.d
+      COMMENT "Shader ${name}"
+      VERBATIM)
+    list(APPEND outputs ${output})
+    string(APPEND arrays "constexpr std::uint32_t ${identifier}[] =\n#include \"${identifier}.inc\"\n;\n")
+    string(APPEND table "    {\"${name}\", ${identifier}},\n")
+    string(APPEND names "    \"${name}\",\n")
+  endforeach()
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/shader_table.cpp.in ${folder}/shader_table.cpp @ONLY)
+  set_source_files_properties(${folder}/shader_table.cpp PROPERTIES OBJECT_DEPENDS "${outputs}")
+  target_sources(${target} PRIVATE ${folder}/shader_table.cpp)
+  target_include_directories(${target} PRIVATE ${folder})
+endfunction()

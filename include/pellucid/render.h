@@ -1,0 +1,169 @@
+// pellucid/render.h - room `render`: all fragments of a pixel on the GPU, by every technique of the depth-fighting
+// paper, and what becomes of them.
+//
+// In: triangles in world space with their objects and surfaces, a camera, the name of a capture technique and an
+// effect. Out: a picture and what was captured, counted, not claimed. A capture technique delivers, for every pixel,
+// fragments in the order (depth, id), each once: all of them (exact) or a documented part; an effect folds that
+// sequence. Paper: Vasilakis, Fudos, "Depth-Fighting Aware Methods for Multi-Fragment Rendering", TVCG 2014.
+//
+// Conventions: depth 0..1 forward, near to far, 32-bit float (raster.h has the formula); back faces are drawn where a
+// surface is double-sided; fragment ids as in raster.h (NodeId: 2 * triangle + (1: back face)). Fragments of equal
+// depth come in the order of their ids, so pictures do not depend on the sequence of drawing.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pellucid/base.h"
+#include "pellucid/mesh.h"
+#include "pellucid/raster.h"
+
+namespace pellucid {
+
+// ------------------------------------------------------------------------------------------------ device
+
+struct DeviceOptions {
+  std::string device;     // part of its name, in any case; empty: a real GPU before the CPU driver
+  bool validate = false;  // Vulkan and synchronisation validation; needs the layers
+};
+
+struct DeviceInfo {
+  std::string name, driver;
+  bool cpu = false;                    // a driver that runs on the CPU
+  std::uint64_t max_buffer_bytes = 0;  // what a shader may address in one buffer
+  std::uint32_t max_side = 0;          // of a picture
+  bool atomics64 = false;              // 64-bit atomics on buffers
+  bool layered = false;                // vertex shaders may choose the layer of an attachment
+  bool precise_queries = false;        // occlusion queries count
+};
+
+// ----------------------------------------------------------------------------------------- what is drawn
+
+struct Surface {
+  Vec3f color{1, 1, 1};  // linear
+  float alpha = 0.5F;    // opacity of a sheet that is seen head-on
+  bool double_sided = true;
+};
+
+struct RenderScene {
+  std::vector<Vec3f> positions;  // world space
+  std::vector<Vec3f> normals;    // one per position; zero: the face's
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> objects;  // of every triangle: index into `surfaces`
+  std::vector<Surface> surfaces;
+  // Drawing sequence of the triangles; empty: as they are. Fragment ids refer to `triangles` all the same.
+  std::vector<std::uint32_t> sequence;
+};
+
+// --------------------------------------------------------------------------------- techniques and effects
+
+enum class Effect {
+  transparency,    // all surfaces blended in depth order
+  wireframe,       // the same, with opaque edges: hidden ones show through translucent faces
+  csg,             // union, intersection or difference of closed solids, at most 32
+  self_collision,  // where an object runs through itself, in red; at most 8 objects
+  coplanarity,     // the largest group of fragments at one depth, in the paper's colours
+  complexity,      // how many fragments a pixel has
+  thickness,       // how much of closed solids light has to go through
+};
+enum class CsgOperation { union_of_all, intersection, difference };  // difference: the first object minus all others
+
+struct NamedEffect {
+  Effect effect;
+  std::string name, description;
+};
+std::span<const NamedEffect> render_effects();
+
+struct TechniqueInfo {
+  std::string name;   // "f2b-2p"
+  std::string title;  // "front-to-back peeling, two coplanar fragments a round"
+  std::string paper;  // where it is from
+  bool exact = true;  // captures every fragment, also coplanar ones, given enough memory
+  std::string captures;         // in words, where it is not exact
+  std::string passes_formula;   // D: depth layers; C: fragments of a layer; N: fragments of a pixel
+  std::string bytes_formula;    // of a pixel
+  bool needs_atomics64 = false, needs_layered = false;
+};
+// In the order of the paper's Table 1. None where pellucid was built without Vulkan.
+std::span<const TechniqueInfo> render_techniques();
+// What `device` lacks for it; empty: nothing.
+std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device);
+
+struct RenderOptions {
+  std::string technique = "sb";
+  Effect effect = Effect::transparency;
+  CsgOperation csg = CsgOperation::union_of_all;
+  Vec3f background{1, 1, 1};  // linear
+  Vec3f edge_color{0.02F, 0.02F, 0.03F};
+  std::uint32_t k = 8;  // fragments, or buckets, of techniques with a fixed number of them; 1 .. 64
+  // Nodes of techniques that store in a pool; 0: as many as there are fragments. What finds no place is counted.
+  std::uint64_t pool = 0;
+  // Sort with an insertion sort of a local array, as is common: to measure against.
+  bool plain_resolve = false;
+  bool keep_fragments = false;  // RenderResult::fragments; draws twice
+};
+
+// ------------------------------------------------------------------------------------------------ results
+
+struct CaptureStats {
+  std::uint64_t fragments = 0;   // that were rasterised, counted in a pass of its own
+  std::uint64_t captured = 0;    // that the effect was given
+  std::uint64_t overflowed = 0;  // that found no place
+  std::uint64_t coplanar = 0;    // captured ones at the depth of another one of their pixel
+  std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
+  std::uint64_t deepest_pixel = 0;           // most fragments of a pixel
+  std::uint32_t rounds = 0;                  // of techniques that peel
+  std::uint32_t geometry_passes = 0;         // how often all triangles were drawn
+  std::uint32_t fullscreen_passes = 0;       // compute passes over the picture
+  std::uint64_t bytes = 0;                   // of the technique's own buffers and images
+  double milliseconds = 0;                   // on the device, from the first clear to the finished picture
+  // The paper's robustness ratio R_h; 1 for an empty picture.
+  [[nodiscard]] double captured_share() const {
+    return fragments == 0 ? 1 : static_cast<double>(captured) / static_cast<double>(fragments);
+  }
+};
+
+struct CapturedFragments {
+  std::vector<std::uint64_t> offsets;  // of every pixel, and the end
+  std::vector<Fragment> fragments;     // as they were delivered
+};
+
+struct RenderResult {
+  std::uint32_t width = 0, height = 0;
+  std::vector<Vec3f> pixels;  // linear colour, row by row from the upper left
+  CaptureStats stats;
+  CapturedFragments fragments;
+};
+
+// A device with one scene on it. Not to be used from several threads at once.
+class Renderer {
+ public:
+  // Throws Error{bad_argument} where no device fits, Error{internal} where it fails.
+  explicit Renderer(const DeviceOptions& options = {});
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  [[nodiscard]] const DeviceInfo& info() const;
+
+  // Copies the scene to the device. Throws Error{bad_argument} for indices out of range, and for scenes that a buffer
+  // of the device cannot hold.
+  void load(const RenderScene& scene);
+
+  // Draw what was loaded. Pictures whose buffers would be too large for the device are drawn in bands.
+  // Throws Error{bad_argument} for a technique that is not there or not possible on this device, and for effects that
+  // the scene has too many objects for; Error{interrupted} when `progress` says so.
+  RenderResult draw(const Camera& camera, const RenderOptions& options, Progress* progress = nullptr);
+
+  // What validation said so far, with DeviceOptions::validate.
+  [[nodiscard]] std::vector<std::string> validation_messages() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace pellucid

@@ -1,0 +1,7 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/fragment_input.glsl"
+// Fragments of every pixel: A, a word each. No shading.
+layout(std430, set = 0, binding = SLOT_A) buffer Counts { uint counts[]; };
+void main() { atomicAdd(counts[fragment_pixel()], 1u); }

@@ -1,0 +1,20 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/fragment_input.glsl"
+#include "../interface/counters.glsl"
+// An array of kK nodes for every pixel, in the sequence of drawing. A: fragments so far; C: nodes of three words.
+layout(std430, set = 0, binding = SLOT_A) buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
+void main() {
+  const uint pixel = fragment_pixel();
+  const uint place = atomicAdd(counts[pixel], 1u);
+  if (place >= kK) {
+    atomicAdd(counters.overflowed, 1u);
+    return;
+  }
+  const uint node = 3u * (pixel * kK + place);
+  nodes[node] = floatBitsToUint(gl_FragCoord.z);
+  nodes[node + 1u] = fragment_id();
+  nodes[node + 2u] = fragment_color();
+}

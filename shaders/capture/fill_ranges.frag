@@ -1,0 +1,18 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/fragment_input.glsl"
+#include "../interface/counters.glsl"
+// S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: nodes of three words.
+layout(std430, set = 0, binding = SLOT_B) buffer Ends { uint ends[]; };
+layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
+void main() {
+  const uint place = atomicAdd(ends[fragment_pixel()], 1u);
+  if (place >= frame.capacity) {
+    atomicAdd(counters.overflowed, 1u);
+    return;
+  }
+  nodes[3u * place] = floatBitsToUint(gl_FragCoord.z);
+  nodes[3u * place + 1u] = fragment_id();
+  nodes[3u * place + 2u] = fragment_color();
+}

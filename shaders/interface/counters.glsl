@@ -1,0 +1,16 @@
+// What is counted while drawing: CaptureStats comes from here.
+#ifndef COUNTERS_GLSL
+#define COUNTERS_GLSL
+layout(std430, set = 0, binding = SLOT_COUNTERS) buffer Counters {
+  uint next_node;    // allocation in pools
+  uint next_back;    // allocation from the end of a pool
+  uint captured;     // fragments folded
+  uint coplanar;     // of them at the depth of another one of their pixel
+  uint overflowed;   // fragments that found no place
+  uint active_pixels;  // pixels that the last round gave something to
+  uint rounds;
+  uint covered;      // pixels with fragments
+  uint deepest;      // most fragments of a pixel
+  uint coplanar_pixels;
+} counters;
+#endif

@@ -1,0 +1,79 @@
+// A rasterised fragment: its pixel, depth, id, and its colour (the same lighting as src/order/fragment_shader.cpp).
+#ifndef FRAGMENT_INPUT_GLSL
+#define FRAGMENT_INPUT_GLSL
+layout(location = 0) in vec3 world_position;
+layout(location = 1) in vec3 world_normal;
+
+struct TriangleInfo {
+  uint object;
+  uint id;  // of the triangle in the scene as it was given
+};
+layout(std430, set = 0, binding = SLOT_TRIANGLES) readonly buffer Triangles { TriangleInfo triangles[]; };
+layout(std430, set = 0, binding = SLOT_SURFACES) readonly buffer Surfaces { vec4 surfaces[]; };
+layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
+layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
+
+uint fragment_pixel() { return pixel_index(uvec2(gl_FragCoord.xy)); }
+
+uint fragment_triangle() { return push.first_triangle + uint(gl_PrimitiveID); }
+
+uint fragment_id() {
+  return 2u * (triangles[fragment_triangle()].id + 1u) + (gl_FrontFacing ? 0u : 1u);
+}
+
+vec2 screen_of(uint vertex) {
+  const vec4 clip = frame.clip_from_world * vec4(positions[3u * vertex], positions[3u * vertex + 1u],
+                                                 positions[3u * vertex + 2u], 1.0);
+  return (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size.x, frame.line.w);
+}
+
+float distance_to_line(vec2 p, vec2 a, vec2 b) {
+  const vec2 along = b - a;
+  const float l = length(along);
+  return l > 0.0 ? abs(along.x * (p.y - a.y) - along.y * (p.x - a.x)) / l : length(p - a);
+}
+
+// Share of an edge's colour at this fragment; lines are about 1.4 pixels wide.
+float edge_share() {
+  const uint corner = 3u * fragment_triangle();
+  const vec2 a = screen_of(indices[corner]);
+  const vec2 b = screen_of(indices[corner + 1u]);
+  const vec2 c = screen_of(indices[corner + 2u]);
+  const vec2 p = gl_FragCoord.xy + vec2(0.0, float(frame.first_row));
+  const float d = min(distance_to_line(p, a, b), min(distance_to_line(p, b, c), distance_to_line(p, c, a)));
+  return 1.0 - smoothstep(0.3, 1.1, d);
+}
+
+float to_the_48th(float x) {
+  const float x4 = (x * x) * (x * x);
+  const float x16 = (x4 * x4) * (x4 * x4);
+  return x16 * x16 * x16;
+}
+
+vec4 lit_color() {
+  const vec4 surface = surfaces[triangles[fragment_triangle()].object];
+  const vec3 to_eye = frame.eye.w != 0.0 ? normalize(frame.eye.xyz - world_position) : frame.to_viewer.xyz;
+  vec3 face = cross(dFdx(world_position), dFdy(world_position));
+  if (dot(face, to_eye) < 0.0) face = -face;
+  vec3 normal = dot(world_normal, world_normal) > 0.0 ? world_normal : face;
+  normal = normalize(dot(normal, face) < 0.0 ? -normal : normal);
+  const float facing = clamp(dot(normal, to_eye), 0.0, 1.0);
+  const float fill = max(dot(normal, frame.fill_light.xyz), 0.0);
+  const float highlight = max(dot(normal, normalize(frame.fill_light.xyz + to_eye)), 0.0);
+  const float gloss = 0.35 * to_the_48th(highlight);
+  const vec3 color = surface.rgb * (0.2 + 0.62 * facing + 0.45 * fill) + vec3(gloss);
+  const float transmitted = surface.a < 1.0 ? exp2(log2(1.0 - surface.a) / max(facing, 0.2)) : 0.0;
+  return vec4(color, 1.0 - transmitted);
+}
+
+const uint kWireframe = 1u;
+
+uint fragment_color() {
+  vec4 color = lit_color();
+  if (kEffect == kWireframe) {
+    const float edge = edge_share();
+    color = vec4(mix(color.rgb, frame.line.rgb, edge), mix(color.a, 1.0, edge));
+  }
+  return pack_color(color);
+}
+#endif

@@ -1,0 +1,40 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/counters.glsl"
+#include "storage.glsl"
+#include "tiles.glsl"
+// Which tiles have lists of at most 4, 8, 16, 32 or more fragments: each class is sorted by a kernel of its own.
+// Counts pixels with fragments and the deepest of them on the way.
+layout(local_size_x = 8, local_size_y = 8) in;
+shared uint deepest_list, deepest_pixel, covered_pixels;
+void main() {
+  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  if (gl_LocalInvocationIndex == 0u) {
+    deepest_list = 0u;
+    deepest_pixel = 0u;
+    covered_pixels = 0u;
+  }
+  barrier();
+  if (all(lessThan(pixel, frame.size))) {
+    const uint index = pixel_index(pixel);
+    uint longest = 0u;
+    uint sum = 0u;
+    for (uint bucket = 0u; bucket < bucket_count(); ++bucket) {
+      const uint count = stored_in(index, bucket);
+      longest = max(longest, count);
+      sum += count;
+    }
+    if (sum > 0u) {
+      atomicMax(deepest_list, longest);
+      atomicMax(deepest_pixel, sum);
+      atomicAdd(covered_pixels, 1u);
+    }
+  }
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  atomicMax(counters.deepest, deepest_pixel);
+  atomicAdd(counters.covered, covered_pixels);
+  put_tile(class_of(deepest_list), gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x,
+           gl_NumWorkGroups.x * gl_NumWorkGroups.y);
+}

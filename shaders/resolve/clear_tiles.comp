@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "tiles.glsl"
+// No tiles in any class yet; the other two words of each indirect dispatch are 1.
+layout(local_size_x = 1) in;
+void main() {
+  for (uint i = 0u; i < kClasses; ++i) {
+    tiles[3u * i] = 0u;
+    tiles[3u * i + 1u] = 1u;
+    tiles[3u * i + 2u] = 1u;
+  }
+}

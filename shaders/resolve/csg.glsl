@@ -1,0 +1,53 @@
+// Boolean operations on closed solids, at most 32 objects: a ray is inside of an object after an odd number of its
+// faces. The surface is where the operation's value changes; faces at one depth are crossed together, so that
+// coplanar ones neither vanish nor show double.
+// word: insides (a bit an object); depth of the open group (bits); its colour, bit 24: value before it; the surface
+// found (0: none).
+State csg_init() { return State(vec4(0.0), uvec4(0u, kNone, 0u, 0u)); }
+
+bool csg_value(uint inside) {
+  const uint all = frame.objects >= 32u ? 0xFFFFFFFFu : (1u << frame.objects) - 1u;
+  if (frame.csg == 0u) return inside != 0u;
+  if (frame.csg == 1u) return inside == all;
+  return inside == 1u;  // the first object without the others
+}
+
+void csg_close(inout State s, bool nearest_last) {
+  const bool was = (s.word.z & 0x01000000u) != 0u;
+  if (s.word.y == kNone || csg_value(s.word.x) == was) return;
+  if (s.word.w == 0u || nearest_last) s.word.w = s.word.z | 0xFF000000u;
+}
+
+void csg_fold(inout State s, Fragment f, bool nearest_last) {
+  const uint depth = floatBitsToUint(f.z);
+  if (depth != s.word.y) {
+    csg_close(s, nearest_last);
+    s.word.y = depth;
+    s.word.z = (f.color & 0x00FFFFFFu) | (csg_value(s.word.x) ? 0x01000000u : 0u);
+  }
+  s.word.x ^= 1u << object_of(f.id);
+}
+
+void csg_step(inout State s, Fragment f) { csg_fold(s, f, false); }
+void csg_step_back(inout State s, Fragment f) { csg_fold(s, f, true); }
+
+// A group that both ends have a part of is crossed as one, too: it is the last one of either.
+void csg_merge(inout State s, State behind) {
+  if (s.word.y == behind.word.y && s.word.y != kNone) {
+    s.word.x ^= behind.word.x;  // the value behind the group, seen from the front, is the value before it from behind
+    const bool was = (s.word.z & 0x01000000u) != 0u;
+    const bool is = (behind.word.z & 0x01000000u) != 0u;
+    if (s.word.w == 0u && was != is) s.word.w = s.word.z | 0xFF000000u;
+  } else {
+    csg_close(s, false);
+    csg_close(behind, true);
+  }
+  if (s.word.w == 0u) s.word.w = behind.word.w;
+  s.word.y = kNone;
+}
+
+vec4 csg_finish(State s) {
+  csg_close(s, false);
+  if (s.word.w == 0u) return vec4(frame.background.rgb, 0.0);
+  return vec4(unpack_color(s.word.w).rgb, 1.0);
+}

@@ -1,0 +1,148 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/counters.glsl"
+#include "storage.glsl"
+#include "effects.glsl"
+#include "sort.glsl"
+#include "tiles.glsl"
+// Sort the fragments of a pixel by (z, id) and fold them: one workgroup a tile, one invocation a pixel. Compiled for
+// each class of tiles: lists of at most ROOM fragments are sorted by a network in registers; LONG ones give their
+// nearest 32 at a time, each time those behind the last. PLAIN is what everyone does, to measure against: insertion
+// sort of a local array of ROOM, whatever the length.
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+shared uint captured_sum, coplanar_sum, coplanar_pixels_sum;
+
+float z[ROOM];
+uint id[ROOM];
+uint color[ROOM];
+
+State state;
+uint folded = 0u;
+uint coplanar = 0u;
+uint run = 0u;  // fragments at the depth of the last one
+float last_z = -1.0;
+uint last_id = 0u;
+bool done = false;
+
+void fold(uint pixel, float fz, uint fid, uint fcolor) {
+  run = fz == last_z ? run + 1u : 1u;
+  coplanar += run == 2u ? 2u : run > 2u ? 1u : 0u;
+  last_z = fz;
+  last_id = fid;
+  ++folded;
+  if (!done) effect_step(state, pixel, Fragment(fz, fid, fcolor));
+  done = done || effect_is_done(state);
+}
+
+void clear_room() {
+  for (uint i = 0u; i < ROOM; ++i) {
+    z[i] = 2.0;
+    id[i] = kNone;
+    color[i] = 0u;
+  }
+}
+
+#if defined(LONG)
+// A driver may end all loops of an invocation after a number of turns (65,535 on lavapipe): push.p0 says how many there
+// may be; what is not reached is the farthest, and is counted.
+void fold_bucket(uint pixel, uint bucket) {
+  const uint count = stored_in(pixel, bucket);
+  uint turns = 2u * count;
+  uint left = count;
+  last_z = -1.0;
+  while (left > 0u) {
+    if (turns + count + 2u * ROOM > push.p0) {
+      atomicAdd(counters.overflowed, left);
+      return;
+    }
+    turns += count + 2u * ROOM;
+    const float from_z = last_z;
+    const uint from_id = last_id;
+    clear_room();
+    Cursor cursor = first_of(pixel, bucket);
+    Fragment f;
+    while (next(cursor, f)) {
+      if (!before(from_z, from_id, f.z, f.id) || !before(f.z, f.id, z[ROOM - 1], id[ROOM - 1])) continue;
+      float carried_z = f.z;
+      uint carried_id = f.id;
+      uint carried_color = f.color;
+      CARRY_32
+    }
+    for (uint i = 0u; i < ROOM && left > 0u; ++i) {
+      fold(pixel, z[i], id[i], color[i]);
+      --left;
+    }
+  }
+}
+#elif defined(PLAIN)
+void fold_bucket(uint pixel, uint bucket) {
+  uint count = 0u;
+  Cursor cursor = first_of(pixel, bucket);
+  Fragment f;
+  while (next(cursor, f) && count < ROOM) {
+    uint place = count++;
+    for (; place > 0u && before(f.z, f.id, z[place - 1u], id[place - 1u]); --place) {
+      z[place] = z[place - 1u];
+      id[place] = id[place - 1u];
+      color[place] = color[place - 1u];
+    }
+    z[place] = f.z;
+    id[place] = f.id;
+    color[place] = f.color;
+  }
+  for (uint i = 0u; i < count; ++i) fold(pixel, z[i], id[i], color[i]);
+}
+#else
+void fold_bucket(uint pixel, uint bucket) {
+  clear_room();
+  Cursor cursor = first_of(pixel, bucket);
+  Fragment f;
+#define LOAD(i) if (next(cursor, f)) { z[i] = f.z; id[i] = f.id; color[i] = f.color; }
+#define LOAD_4(i) LOAD(i) LOAD(i + 1) LOAD(i + 2) LOAD(i + 3)
+#define FOLD(i) if (id[i] != kNone) fold(pixel, z[i], id[i], color[i]);
+#define FOLD_4(i) FOLD(i) FOLD(i + 1) FOLD(i + 2) FOLD(i + 3)
+#if ROOM == 4
+  LOAD_4(0) SORT_4 FOLD_4(0)
+#elif ROOM == 8
+  LOAD_4(0) LOAD_4(4) SORT_8 FOLD_4(0) FOLD_4(4)
+#elif ROOM == 16
+  LOAD_4(0) LOAD_4(4) LOAD_4(8) LOAD_4(12) SORT_16 FOLD_4(0) FOLD_4(4) FOLD_4(8) FOLD_4(12)
+#else
+  LOAD_4(0) LOAD_4(4) LOAD_4(8) LOAD_4(12) LOAD_4(16) LOAD_4(20) LOAD_4(24) LOAD_4(28)
+  SORT_32
+  FOLD_4(0) FOLD_4(4) FOLD_4(8) FOLD_4(12) FOLD_4(16) FOLD_4(20) FOLD_4(24) FOLD_4(28)
+#endif
+}
+#endif
+
+void main() {
+  if (gl_LocalInvocationIndex == 0u) {
+    captured_sum = 0u;
+    coplanar_sum = 0u;
+    coplanar_pixels_sum = 0u;
+  }
+  barrier();
+  const uvec2 tiles_across = (frame.size + 7u) / 8u;
+  const uint tile = tile_at(push.p1, gl_WorkGroupID.x, tiles_across.x * tiles_across.y);
+  const uvec2 pixel = uvec2(tile % tiles_across.x, tile / tiles_across.x) * 8u + gl_LocalInvocationID.xy;
+  if (all(lessThan(pixel, frame.size))) {
+    const uint index = pixel_index(pixel);
+    state = effect_init();
+    for (uint bucket = 0u; bucket < bucket_count(); ++bucket) fold_bucket(index, bucket);
+    picture[index] = effect_finish(state);
+    if (folded > 0u) atomicAdd(captured_sum, folded);
+    if (coplanar > 0u) {
+      atomicAdd(coplanar_sum, coplanar);
+      atomicAdd(coplanar_pixels_sum, 1u);
+    }
+  }
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  if (captured_sum > 0u) atomicAdd(counters.captured, captured_sum);
+  if (coplanar_sum > 0u) {
+    atomicAdd(counters.coplanar, coplanar_sum);
+    atomicAdd(counters.coplanar_pixels, coplanar_pixels_sum);
+  }
+}

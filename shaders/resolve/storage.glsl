@@ -1,0 +1,55 @@
+// Where a buffer technique left the fragments of a pixel: RANGES (S-buffer), LISTS (linked lists, perhaps in buckets)
+// or ARRAYS (fixed size). A Cursor runs over them in no particular sequence.
+#if defined(RANGES)
+layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = SLOT_B) readonly buffer Ends { uint ends[]; };
+layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };
+uint stored_begin(uint pixel) { return min(ends[pixel] - counts[pixel], frame.capacity); }
+uint stored_count(uint pixel) { return min(ends[pixel], frame.capacity) - stored_begin(pixel); }
+#elif defined(ARRAYS)
+layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };
+uint stored_begin(uint pixel) { return pixel * kK; }
+uint stored_count(uint pixel) { return min(counts[pixel], kK); }
+#else
+layout(std430, set = 0, binding = SLOT_A) readonly buffer Heads { uint heads[]; };
+layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uvec4 nodes[]; };
+#endif
+
+#if defined(LISTS)
+struct Cursor {
+  uint node;
+};
+uint bucket_head(uint pixel, uint bucket) { return heads[kK * pixel + bucket]; }
+Cursor first_of(uint pixel, uint bucket) { return Cursor(bucket_head(pixel, bucket)); }
+bool next(inout Cursor cursor, out Fragment f) {
+  if (cursor.node == kNone) return false;
+  const uvec4 node = nodes[cursor.node];
+  f = Fragment(uintBitsToFloat(node.x), node.y, node.z);
+  cursor.node = node.w;
+  return true;
+}
+uint stored_in(uint pixel, uint bucket) {
+  uint count = 0u;
+  for (uint node = bucket_head(pixel, bucket); node != kNone; node = nodes[node].w) ++count;
+  return count;
+}
+uint bucket_count() { return kK; }
+#else
+struct Cursor {
+  uint node, end;
+};
+Cursor first_of(uint pixel, uint bucket) {
+  const uint begin = stored_begin(pixel);
+  return Cursor(begin, begin + stored_count(pixel));
+}
+bool next(inout Cursor cursor, out Fragment f) {
+  if (cursor.node == cursor.end) return false;
+  const uint word = 3u * cursor.node;
+  f = Fragment(uintBitsToFloat(nodes[word]), nodes[word + 1u], nodes[word + 2u]);
+  ++cursor.node;
+  return true;
+}
+uint stored_in(uint pixel, uint bucket) { return stored_count(pixel); }
+uint bucket_count() { return 1u; }
+#endif

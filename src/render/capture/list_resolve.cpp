@@ -1,0 +1,38 @@
+// Resolve of stored fragments: see list_resolve.h.
+#include "list_resolve.h"
+
+#include <array>
+
+namespace pellucid::render {
+namespace {
+
+// Classes of shaders/resolve/tiles.glsl.
+constexpr std::array<const char*, 5> kClasses{"4", "8", "16", "32", "long"};
+
+}  // namespace
+
+void ListResolve::allocate(Frame& frame) {
+  const std::uint64_t tiles = std::uint64_t{frame.tiles_x()} * frame.tiles_y();
+  tiles_ = frame.make_buffer("list of tiles", 4 * kClasses.size() * (3 + tiles));
+}
+
+void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k) const {
+  const Constants constants{frame.effect, k, 0};
+  recorder.bind(Slot::e, tiles_);
+  recorder.dispatch(frame.pipelines.compute("resolve/clear_tiles.comp", {}), 1, 1);
+  recorder.barrier();
+  recorder.dispatch(frame.pipelines.compute("resolve/classify_" + storage_ + ".comp", constants), frame.tiles_x(),
+                    frame.tiles_y());
+  recorder.barrier();
+  recorder.push().p[0] = loop_budget(frame.context.info());
+  for (std::uint32_t i = 0; i < kClasses.size(); ++i) {
+    recorder.push().p[1] = i;
+    const std::string kernel = frame.options.plain_resolve ? "plain" : kClasses.at(i);
+    recorder.dispatch_indirect(frame.pipelines.compute("resolve/" + storage_ + "_" + kernel + ".comp", constants),
+                               tiles_, 12 * std::uint64_t{i});
+    recorder.barrier();
+  }
+  recorder.count_fullscreen_pass();  // every tile is in one class
+}
+
+}  // namespace pellucid::render

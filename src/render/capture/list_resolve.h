@@ -1,0 +1,23 @@
+// list_resolve.h - sort and fold what a buffer technique stored, by tiles of equal list length.
+#pragma once
+
+#include <string>
+
+#include "../frame.h"
+
+namespace pellucid::render {
+
+class ListResolve {
+ public:
+  // `storage`: "ranges", "lists" or "arrays" (shaders/resolve/storage.glsl).
+  explicit ListResolve(std::string storage) : storage_(std::move(storage)) {}
+  void allocate(Frame& frame);
+  // Slots a, b, c hold the storage; `k` is its constant kK.
+  void record(Frame& frame, Recorder& recorder, std::uint32_t k) const;
+
+ private:
+  std::string storage_;
+  Buffer tiles_;
+};
+
+}  // namespace pellucid::render

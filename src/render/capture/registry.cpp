@@ -1,0 +1,13 @@
+// The list of capture techniques: a new one is a file beside this and a line here.
+#include "buffer_techniques.h"
+
+namespace pellucid::render {
+
+const std::vector<TechniqueEntry>& technique_entries() {
+  static const std::vector<TechniqueEntry> entries{
+      bucketed_lists(), fixed_arrays(), linked_lists(), s_buffer(),
+  };
+  return entries;
+}
+
+}  // namespace pellucid::render

@@ -1,0 +1,38 @@
+// technique.h - what a capture technique is: how to add one, see docs/rendering.md.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "../frame.h"
+
+namespace pellucid::render {
+
+class Technique {
+ public:
+  Technique() = default;
+  Technique(const Technique&) = delete;
+  Technique& operator=(const Technique&) = delete;
+  virtual ~Technique() = default;
+
+  // Bytes of the largest buffer that it needs for a picture: where it is too large, the picture is cut into bands.
+  [[nodiscard]] virtual std::uint64_t largest_buffer(const Frame& frame) const = 0;
+  // Buffers and images of a band, and what has to be done once before the first round.
+  virtual void allocate(Frame& frame) = 0;
+  virtual void start(Frame& frame, Recorder& recorder) = 0;
+  // Techniques that peel: one round, until one finds nothing more (counters.active_pixels stays 0).
+  virtual void peel(Frame& /*frame*/, Recorder& /*recorder*/, std::uint32_t /*round*/) {}
+  [[nodiscard]] virtual bool peels() const { return false; }
+  // After the last round of those that peel.
+  virtual void finish(Frame& /*frame*/, Recorder& /*recorder*/) {}
+};
+
+struct TechniqueEntry {
+  TechniqueInfo info;
+  std::unique_ptr<Technique> (*make)();
+};
+
+// All of them, each defined in a file of its own (registry.cpp).
+const std::vector<TechniqueEntry>& technique_entries();
+
+}  // namespace pellucid::render

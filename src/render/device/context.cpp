@@ -1,0 +1,337 @@
+// Instance, device, queue: see context.h.
+#include "context.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <iterator>
+#include <optional>
+
+namespace pellucid::render {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+const char* name_of(VkResult result) {
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory: try a smaller --size or --memory";
+    case VK_ERROR_DEVICE_LOST:
+      return "the device was lost";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialisation failed";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "no Vulkan driver is installed (Debian: mesa-vulkan-drivers)";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "the validation layers are not installed (Debian: vulkan-validationlayers)";
+    case VK_ERROR_TOO_MANY_OBJECTS:
+      return "too many objects";
+    default:
+      return nullptr;
+  }
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT /*severity*/,
+                                          VkDebugUtilsMessageTypeFlagsEXT type,
+                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  // Drivers speak through the general type; only what validation says counts.
+  if ((type & VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT) == 0) return VK_FALSE;
+  auto* log = static_cast<ValidationLog*>(user);
+  const std::scoped_lock lock(log->mutex);
+  log->messages.emplace_back(data->pMessage);
+  return VK_FALSE;
+}
+
+template <class Call>
+auto instance_call(VkInstance instance, const char* name) {
+  return reinterpret_cast<Call>(vkGetInstanceProcAddr(instance, name));
+}
+
+bool has(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+std::vector<VkExtensionProperties> device_extensions(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+  return extensions;
+}
+
+std::optional<std::uint32_t> graphics_queue(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if ((families[i].queueFlags & kNeeded) == kNeeded) return i;
+  }
+  return std::nullopt;
+}
+
+// Real GPUs before the CPU driver; among equals the first one.
+int preference(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// Why a device cannot be used; empty: it can.
+std::string unfit(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
+  if (properties.apiVersion < VK_API_VERSION_1_3) return "has no Vulkan 1.3";
+  if (!graphics_queue(device)) return "has no queue for graphics and compute";
+  if (!has(device_extensions(device), VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME)) {
+    return "has no VK_KHR_push_descriptor";
+  }
+  VkPhysicalDeviceFeatures features{};
+  vkGetPhysicalDeviceFeatures(device, &features);
+  if (features.geometryShader == VK_FALSE) return "does not number triangles (geometryShader)";
+  if (features.independentBlend == VK_FALSE) return "cannot blend attachments differently";
+  if (features.fragmentStoresAndAtomics == VK_FALSE) return "cannot store from fragment shaders";
+  return "";
+}
+
+}  // namespace
+
+void check(VkResult result, const char* what) {
+  if (result == VK_SUCCESS) return;
+  const char* name = name_of(result);
+  throw Error(ErrorKind::internal, name != nullptr
+                                       ? fmt::format("Vulkan, {}: {}", what, name)
+                                       : fmt::format("Vulkan, {}: error {}", what, static_cast<int>(result)));
+}
+
+Context::OwnedInstance::~OwnedInstance() {
+  if (messenger != VK_NULL_HANDLE) {
+    instance_call<PFN_vkDestroyDebugUtilsMessengerEXT>(handle, "vkDestroyDebugUtilsMessengerEXT")(handle, messenger,
+                                                                                                 nullptr);
+  }
+  if (handle != VK_NULL_HANDLE) vkDestroyInstance(handle, nullptr);
+}
+
+Context::OwnedDevice::~OwnedDevice() {
+  if (handle != VK_NULL_HANDLE) vkDestroyDevice(handle, nullptr);
+}
+
+Context::Context(const DeviceOptions& options) : log_(std::make_unique<ValidationLog>()) {
+  create_instance(options.validate);
+  choose_device(options.device);
+  create_device();
+  create_layouts();
+}
+
+void Context::create_instance(bool validate) {
+  const VkApplicationInfo application{
+      .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "pellucid", .apiVersion = VK_API_VERSION_1_3};
+  const VkDebugUtilsMessengerCreateInfoEXT messenger{
+      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+      .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+      .pfnUserCallback = on_message,
+      .pUserData = log_.get()};
+  const VkValidationFeatureEnableEXT synchronisation = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                         .pNext = &messenger,
+                                         .enabledValidationFeatureCount = 1,
+                                         .pEnabledValidationFeatures = &synchronisation};
+  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                  .pNext = validate ? &features : nullptr,
+                                  .pApplicationInfo = &application,
+                                  .enabledLayerCount = validate ? 1U : 0U,
+                                  .ppEnabledLayerNames = &kValidationLayer,
+                                  .enabledExtensionCount = validate ? 1U : 0U,
+                                  .ppEnabledExtensionNames = &extension};
+  check(vkCreateInstance(&info, nullptr, &instance_.handle), "creating the instance");
+  if (validate) {
+    check(instance_call<PFN_vkCreateDebugUtilsMessengerEXT>(instance_.handle, "vkCreateDebugUtilsMessengerEXT")(
+              instance_.handle, &messenger, nullptr, &instance_.messenger),
+          "creating the message callback");
+  }
+}
+
+void Context::choose_device(const std::string& wanted) {
+  std::uint32_t count = 0;
+  check(vkEnumeratePhysicalDevices(instance_.handle, &count, nullptr), "listing devices");
+  std::vector<VkPhysicalDevice> devices(count);
+  check(vkEnumeratePhysicalDevices(instance_.handle, &count, devices.data()), "listing devices");
+  std::string there;
+  int best = -1;
+  for (const VkPhysicalDevice device : devices) {
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(device, &properties);
+    const std::string reason = unfit(device, properties);
+    there.append(there.empty() ? "" : ", ").append(properties.deviceName);
+    if (!reason.empty()) {
+      there.append(" (").append(reason).append(")");
+      continue;
+    }
+    const bool named = lower(properties.deviceName).find(lower(wanted)) != std::string::npos;
+    if (!named || preference(properties.deviceType) <= best) continue;
+    best = preference(properties.deviceType);
+    physical_ = device;
+  }
+  if (physical_ == VK_NULL_HANDLE) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--device: no Vulkan device {}; there is {}",
+                            wanted.empty() ? std::string("can be used") : "is named '" + wanted + "'",
+                            there.empty() ? "none (Debian: mesa-vulkan-drivers has one for the CPU)" : there));
+  }
+  read_info();
+}
+
+void Context::read_info() {
+  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
+                                          .pNext = &subgroup};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  const auto& limits = properties.properties.limits;
+  nanoseconds_per_tick_ = static_cast<double>(limits.timestampPeriod);
+  info_.name = properties.properties.deviceName;
+  info_.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
+  info_.cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info_.max_buffer_bytes = limits.maxStorageBufferRange;
+  info_.max_side = std::min({limits.maxFramebufferWidth, limits.maxFramebufferHeight, limits.maxImageDimension2D});
+
+  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12};
+  vkGetPhysicalDeviceFeatures2(physical_, &features);
+  info_.atomics64 = features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
+  info_.layered = features12.shaderOutputLayer == VK_TRUE;
+  info_.precise_queries = features.features.occlusionQueryPrecise == VK_TRUE;
+}
+
+void Context::create_device() {
+  queue_family_ = graphics_queue(physical_).value();
+  const float priority = 1;
+  const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                      .queueFamilyIndex = queue_family_,
+                                      .queueCount = 1,
+                                      .pQueuePriorities = &priority};
+  VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                              .synchronization2 = VK_TRUE,
+                                              .dynamicRendering = VK_TRUE};
+  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                              .pNext = &features13,
+                                              .shaderBufferInt64Atomics = info_.atomics64 ? VK_TRUE : VK_FALSE,
+                                              .shaderOutputLayer = info_.layered ? VK_TRUE : VK_FALSE};
+  const VkPhysicalDeviceFeatures2 features{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+      .pNext = &features12,
+      .features = {.independentBlend = VK_TRUE,
+                   .geometryShader = VK_TRUE,  // gl_PrimitiveID in fragment shaders
+                   .occlusionQueryPrecise = info_.precise_queries ? VK_TRUE : VK_FALSE,
+                   .fragmentStoresAndAtomics = VK_TRUE,
+                   .shaderInt64 = info_.atomics64 ? VK_TRUE : VK_FALSE}};
+  const char* extension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = &features,
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queue,
+                                .enabledExtensionCount = 1,
+                                .ppEnabledExtensionNames = &extension};
+  check(vkCreateDevice(physical_, &info, nullptr, &device_.handle), "creating the device");
+  vkGetDeviceQueue(device_.handle, queue_family_, 0, &queue_);
+  push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
+      vkGetDeviceProcAddr(device_.handle, "vkCmdPushDescriptorSetKHR"));
+
+  const VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                     .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+                                     .queueFamilyIndex = queue_family_};
+  VkCommandPool commands = VK_NULL_HANDLE;
+  check(vkCreateCommandPool(device_.handle, &pool, nullptr, &commands), "creating the command pool");
+  commands_ = {device_.handle, commands};
+}
+
+void Context::create_layouts() {
+  std::array<VkDescriptorSetLayoutBinding, kSlots> bindings{};
+  for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
+    bindings[slot] = {.binding = slot,
+                      .descriptorType = slot < kFirstImageSlot ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                                               : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+                      .descriptorCount = 1,
+                      .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+                      .pImmutableSamplers = nullptr};
+  }
+  const VkDescriptorSetLayoutCreateInfo set{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                            .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
+                                            .bindingCount = kSlots,
+                                            .pBindings = bindings.data()};
+  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+  check(vkCreateDescriptorSetLayout(device_.handle, &set, nullptr, &set_layout), "creating the descriptor layout");
+  set_layout_ = {device_.handle, set_layout};
+  const VkPushConstantRange push{
+      .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+      .offset = 0,
+      .size = kPushBytes};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .setLayoutCount = 1,
+                                        .pSetLayouts = &set_layout,
+                                        .pushConstantRangeCount = 1,
+                                        .pPushConstantRanges = &push};
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  check(vkCreatePipelineLayout(device_.handle, &info, nullptr, &layout), "creating the pipeline layout");
+  pipeline_layout_ = {device_.handle, layout};
+}
+
+void Context::submit(const std::function<void(VkCommandBuffer)>& record) {
+  check(vkResetCommandPool(device_.handle, commands_.get(), 0), "resetting the command pool");
+  const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                             .commandPool = commands_.get(),
+                                             .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                             .commandBufferCount = 1};
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  check(vkAllocateCommandBuffers(device_.handle, &allocate, &commands), "allocating commands");
+  struct Free {
+    VkDevice device;
+    VkCommandPool pool;
+    VkCommandBuffer commands;
+    ~Free() { vkFreeCommandBuffers(device, pool, 1, &commands); }
+  } const free{device_.handle, commands_.get(), commands};
+  const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+  check(vkBeginCommandBuffer(commands, &begin), "recording");
+  record(commands);
+  check(vkEndCommandBuffer(commands), "recording");
+
+  const VkFenceCreateInfo fence_info{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  VkFence fence = VK_NULL_HANDLE;
+  check(vkCreateFence(device_.handle, &fence_info, nullptr, &fence), "creating a fence");
+  const OwnedFence owned(device_.handle, fence);
+  const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                         .commandBuffer = commands};
+  const VkSubmitInfo2 submission{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                                 .commandBufferInfoCount = 1,
+                                 .pCommandBufferInfos = &buffer};
+  check(vkQueueSubmit2(queue_, 1, &submission, fence), "submitting");
+  check(vkWaitForFences(device_.handle, 1, &fence, VK_TRUE, UINT64_MAX), "waiting");
+}
+
+std::vector<std::string> Context::validation_messages() const {
+  const std::scoped_lock lock(log_->mutex);
+  return log_->messages;
+}
+
+}  // namespace pellucid::render

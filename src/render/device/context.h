@@ -1,0 +1,92 @@
+// context.h - the Vulkan instance, one device and one queue: headless, chosen by name, validated on demand.
+//
+// A real GPU is taken where there is one, else the CPU driver. Everything is submitted through `submit`, which
+// waits: one command buffer per piece of work, so that synchronisation validation sees all of its hazards.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "handle.h"
+#include "pellucid/render.h"
+
+namespace pellucid::render {
+
+// Throw Error{internal} that names the call and the result, with a remedy where there is one.
+void check(VkResult result, const char* what);
+
+// What validation layers said; filled from any thread.
+struct ValidationLog {
+  std::mutex mutex;
+  std::vector<std::string> messages;
+};
+
+class Context {
+ public:
+  // Throws Error{bad_argument} where no device fits `options`, and names the devices that are there.
+  explicit Context(const DeviceOptions& options);
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  [[nodiscard]] VkDevice device() const { return device_.handle; }
+  [[nodiscard]] const DeviceInfo& info() const { return info_; }
+  [[nodiscard]] VkPipelineLayout pipeline_layout() const { return pipeline_layout_.get(); }
+  [[nodiscard]] const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
+  [[nodiscard]] PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }
+  [[nodiscard]] double nanoseconds_per_tick() const { return nanoseconds_per_tick_; }
+
+  // Record, run and wait. Throws Error{internal} on device loss.
+  void submit(const std::function<void(VkCommandBuffer)>& record);
+
+  [[nodiscard]] std::vector<std::string> validation_messages() const;
+
+ private:
+  // Members are destroyed in reverse: what was made of a device goes before it.
+  struct OwnedInstance {
+    VkInstance handle = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    OwnedInstance() = default;
+    OwnedInstance(const OwnedInstance&) = delete;
+    OwnedInstance& operator=(const OwnedInstance&) = delete;
+    ~OwnedInstance();
+  };
+  struct OwnedDevice {
+    VkDevice handle = VK_NULL_HANDLE;
+    OwnedDevice() = default;
+    OwnedDevice(const OwnedDevice&) = delete;
+    OwnedDevice& operator=(const OwnedDevice&) = delete;
+    ~OwnedDevice();
+  };
+
+  void create_instance(bool validate);
+  void choose_device(const std::string& wanted);
+  void read_info();
+  void create_device();
+  void create_layouts();
+
+  std::unique_ptr<ValidationLog> log_;
+  OwnedInstance instance_;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  DeviceInfo info_;
+  double nanoseconds_per_tick_ = 1;
+  std::uint32_t queue_family_ = 0;
+  OwnedDevice device_;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  PFN_vkCmdPushDescriptorSetKHR push_descriptors_ = nullptr;
+  OwnedCommandPool commands_;
+  OwnedDescriptorSetLayout set_layout_;
+  OwnedPipelineLayout pipeline_layout_;
+};
+
+// The one descriptor set that all shaders share (shaders/interface/frame.glsl): storage buffers, then images.
+constexpr std::uint32_t kFirstImageSlot = 18;
+constexpr std::uint32_t kSlots = 21;
+// Bytes of push constants.
+constexpr std::uint32_t kPushBytes = 32;
+
+}  // namespace pellucid::render

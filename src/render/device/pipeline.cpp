@@ -1,0 +1,177 @@
+// Pipelines: see pipeline.h.
+#include "pipeline.h"
+
+#include <cassert>
+
+#include "../gpu_scene.h"
+
+namespace pellucid::render {
+namespace {
+
+OwnedShaderModule load(Context& context, std::string_view name) {
+  const std::span<const std::uint32_t> code = shader_code(name);
+  const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                      .codeSize = code.size_bytes(),
+                                      .pCode = code.data()};
+  VkShaderModule module = VK_NULL_HANDLE;
+  check(vkCreateShaderModule(context.device(), &info, nullptr, &module), "loading a shader");
+  return {context.device(), module};
+}
+
+// Points into `constants`, which has to outlive it.
+class Specialization {
+ public:
+  explicit Specialization(const Constants& constants) {
+    for (std::uint32_t i = 0; i < constants.size(); ++i) {
+      entries_.push_back({.constantID = i, .offset = 4 * i, .size = 4});
+    }
+    info_ = {.mapEntryCount = static_cast<std::uint32_t>(entries_.size()),
+             .pMapEntries = entries_.data(),
+             .dataSize = 4 * constants.size(),
+             .pData = constants.data()};
+  }
+  Specialization(const Specialization&) = delete;
+  Specialization& operator=(const Specialization&) = delete;
+  [[nodiscard]] const VkSpecializationInfo* get() const { return &info_; }
+
+ private:
+  std::vector<VkSpecializationMapEntry> entries_;
+  VkSpecializationInfo info_{};
+};
+
+VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits kind, const OwnedShaderModule& module,
+                                      const Specialization& constants) {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+          .stage = kind,
+          .module = module.get(),
+          .pName = "main",
+          .pSpecializationInfo = constants.get()};
+}
+
+VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
+  constexpr VkColorComponentFlags kAll = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                         VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  VkPipelineColorBlendAttachmentState state{.colorWriteMask = kAll};
+  if (blend == Blend::none) return state;
+  state.blendEnable = VK_TRUE;
+  state.srcColorBlendFactor = blend == Blend::max ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA;
+  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
+  state.colorBlendOp = blend == Blend::max ? VK_BLEND_OP_MAX : VK_BLEND_OP_ADD;
+  state.srcAlphaBlendFactor = state.srcColorBlendFactor;
+  state.dstAlphaBlendFactor = state.dstColorBlendFactor;
+  state.alphaBlendOp = state.colorBlendOp;
+  return state;
+}
+
+VkPipelineDepthStencilStateCreateInfo depth_state(const GraphicsSpec& spec) {
+  const VkStencilOpState stencil{.failOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
+                                 .passOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
+                                 .depthFailOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
+                                 .compareOp = VK_COMPARE_OP_EQUAL,
+                                 .compareMask = 0xFF,
+                                 .writeMask = 0xFF,
+                                 .reference = 2};
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+          .depthTestEnable = spec.depth_test != DepthTest::none ? VK_TRUE : VK_FALSE,
+          .depthWriteEnable = spec.depth_write ? VK_TRUE : VK_FALSE,
+          .depthCompareOp =
+              spec.depth_test == DepthTest::equal ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_LESS_OR_EQUAL,
+          .stencilTestEnable = spec.route_by_stencil ? VK_TRUE : VK_FALSE,
+          .front = stencil,
+          .back = stencil};
+}
+
+// Position and normal, from buffers of their own.
+constexpr std::array<VkVertexInputBindingDescription, 2> kVertexBuffers{
+    {{.binding = 0, .stride = 12, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX},
+     {.binding = 1, .stride = 12, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX}}};
+constexpr std::array<VkVertexInputAttributeDescription, 2> kAttributes{
+    {{.location = 0, .binding = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = 0},
+     {.location = 1, .binding = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = 0}}};
+
+}  // namespace
+
+ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
+  const Specialization constants(spec.constants);
+  const OwnedShaderModule vertex = load(context, spec.vertex_shader);
+  std::vector<VkPipelineShaderStageCreateInfo> stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex, constants)};
+  OwnedShaderModule fragment;
+  if (!spec.fragment_shader.empty()) {
+    fragment = load(context, spec.fragment_shader);
+    stages.push_back(stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, constants));
+  }
+  const VkPipelineVertexInputStateCreateInfo input{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+      .vertexBindingDescriptionCount = static_cast<std::uint32_t>(kVertexBuffers.size()),
+      .pVertexBindingDescriptions = kVertexBuffers.data(),
+      .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(kAttributes.size()),
+      .pVertexAttributeDescriptions = kAttributes.data()};
+  const VkPipelineInputAssemblyStateCreateInfo assembly{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+      .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+  const VkPipelineViewportStateCreateInfo viewport{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+                                                   .viewportCount = 1,
+                                                   .scissorCount = 1};
+  VkPipelineRasterizationStateCreateInfo raster{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                .polygonMode = VK_POLYGON_MODE_FILL,
+                                                .cullMode = VK_CULL_MODE_NONE,
+                                                .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+                                                .lineWidth = 1};
+  const VkPipelineMultisampleStateCreateInfo samples{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+      .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+  const VkPipelineDepthStencilStateCreateInfo depth = depth_state(spec);
+  const std::vector<VkPipelineColorBlendAttachmentState> blends(spec.colors.size(), blend_state(spec.blend));
+  const VkPipelineColorBlendStateCreateInfo blend{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+      .attachmentCount = static_cast<std::uint32_t>(blends.size()),
+      .pAttachments = blends.data()};
+  const std::array<VkDynamicState, 2> dynamic{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  const VkPipelineDynamicStateCreateInfo dynamic_info{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+                                                      .dynamicStateCount = 2,
+                                                      .pDynamicStates = dynamic.data()};
+  const VkPipelineRenderingCreateInfo rendering{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+      .colorAttachmentCount = static_cast<std::uint32_t>(spec.colors.size()),
+      .pColorAttachmentFormats = spec.colors.data(),
+      .depthAttachmentFormat = spec.depth,
+      .stencilAttachmentFormat = spec.depth == VK_FORMAT_D32_SFLOAT_S8_UINT ? spec.depth : VK_FORMAT_UNDEFINED};
+  const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                          .pNext = &rendering,
+                                          .stageCount = static_cast<std::uint32_t>(stages.size()),
+                                          .pStages = stages.data(),
+                                          .pVertexInputState = &input,
+                                          .pInputAssemblyState = &assembly,
+                                          .pViewportState = &viewport,
+                                          .pRasterizationState = &raster,
+                                          .pMultisampleState = &samples,
+                                          .pDepthStencilState = &depth,
+                                          .pColorBlendState = &blend,
+                                          .pDynamicState = &dynamic_info,
+                                          .layout = context.pipeline_layout()};
+  const auto make = [&](VkCullModeFlags cull) {
+    raster.cullMode = cull;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateGraphicsPipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+          "creating a pipeline");
+    return OwnedPipeline(context.device(), pipeline);
+  };
+  ScenePipeline pipelines;
+  pipelines.two_sided = make(VK_CULL_MODE_NONE);
+  pipelines.culled = make(VK_CULL_MODE_BACK_BIT);
+  return pipelines;
+}
+
+OwnedPipeline make_compute_pipeline(Context& context, std::string_view shader, const Constants& values) {
+  const Specialization constants(values);
+  const OwnedShaderModule module = load(context, shader);
+  const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                         .stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, module, constants),
+                                         .layout = context.pipeline_layout()};
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  check(vkCreateComputePipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+        "creating a pipeline");
+  return {context.device(), pipeline};
+}
+
+}  // namespace pellucid::render

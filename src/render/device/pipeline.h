@@ -1,0 +1,45 @@
+// pipeline.h - graphics and compute pipelines from embedded shaders, specialised by constants.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "context.h"
+
+namespace pellucid::render {
+
+// SPIR-V of a shader of shaders/, by its name there ("capture/list_fill.frag"); made at build time.
+std::span<const std::uint32_t> shader_code(std::string_view name);
+std::span<const std::string_view> shader_names();
+
+// Specialisation constants 0, 1, 2, ... of a shader.
+using Constants = std::vector<std::uint32_t>;
+
+enum class Blend { none, max, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
+enum class DepthTest { none, less_or_equal, equal };
+
+struct GraphicsSpec {
+  std::string_view fragment_shader;  // empty: depth only
+  Constants constants;
+  std::vector<VkFormat> colors;
+  Blend blend = Blend::none;
+  VkFormat depth = VK_FORMAT_UNDEFINED;
+  DepthTest depth_test = DepthTest::none;
+  bool depth_write = false;
+  std::string_view vertex_shader = "interface/scene.vert";
+  // Stencil: pass where it equals the reference, then decrement what passed and what failed alike.
+  bool route_by_stencil = false;
+};
+
+// Pipelines over scene triangles: one that draws both sides, one that culls back faces.
+struct ScenePipeline {
+  OwnedPipeline two_sided, culled;
+};
+ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec);
+OwnedPipeline make_compute_pipeline(Context& context, std::string_view shader, const Constants& constants);
+
+}  // namespace pellucid::render

@@ -1,0 +1,161 @@
+// Recording: see recorder.h.
+#include "recorder.h"
+
+#include "../gpu_scene.h"
+
+namespace pellucid::render {
+
+Recorder::Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused)
+    : context_(context), commands_(commands) {
+  for (VkDescriptorBufferInfo& buffer : buffers_) buffer = {.buffer = unused.get(), .offset = 0, .range = VK_WHOLE_SIZE};
+}
+
+void Recorder::bind(Slot slot, const Buffer& buffer) {
+  buffers_.at(static_cast<std::uint32_t>(slot)) = {.buffer = buffer.get(), .offset = 0, .range = VK_WHOLE_SIZE};
+}
+
+void Recorder::bind(Slot slot, const Image& image) {
+  images_.at(static_cast<std::uint32_t>(slot) - kFirstImageSlot) = {
+      .sampler = VK_NULL_HANDLE, .imageView = image.sampled_view(), .imageLayout = VK_IMAGE_LAYOUT_GENERAL};
+}
+
+void Recorder::prepare(const Image& image) {
+  VkImageAspectFlags aspect = image.spec().depth() ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  if (image.spec().format == VK_FORMAT_D32_SFLOAT_S8_UINT) aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
+  const VkImageMemoryBarrier2 transition{
+      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+      .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+      .srcAccessMask = VK_ACCESS_2_NONE,
+      .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+      .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
+      .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+      .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+      .image = image.get(),
+      .subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = image.spec().layers}};
+  const VkDependencyInfo dependency{
+      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &transition};
+  vkCmdPipelineBarrier2(commands_, &dependency);
+}
+
+void Recorder::barrier() {
+  const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                 .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                 .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                 .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                 .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+  const VkDependencyInfo dependency{
+      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
+  vkCmdPipelineBarrier2(commands_, &dependency);
+}
+
+void Recorder::fill(const Buffer& buffer, std::uint32_t word) {
+  vkCmdFillBuffer(commands_, buffer.get(), 0, VK_WHOLE_SIZE, word);
+}
+
+void Recorder::copy(const Buffer& from, const Buffer& to) {
+  const VkBufferCopy region{.srcOffset = 0, .dstOffset = 0, .size = std::min(from.bytes(), to.bytes())};
+  vkCmdCopyBuffer(commands_, from.get(), to.get(), 1, &region);
+}
+
+void Recorder::push_state(VkPipelineBindPoint point) {
+  std::array<VkWriteDescriptorSet, kSlots> writes{};
+  std::uint32_t count = 0;
+  const auto add = [&](std::uint32_t slot) -> VkWriteDescriptorSet& {
+    VkWriteDescriptorSet& write = writes.at(count++);
+    write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstBinding = slot, .descriptorCount = 1};
+    return write;
+  };
+  for (std::uint32_t slot = 0; slot < kFirstImageSlot; ++slot) {
+    VkWriteDescriptorSet& write = add(slot);
+    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.pBufferInfo = &buffers_.at(slot);
+  }
+  for (std::uint32_t slot = kFirstImageSlot; slot < kSlots; ++slot) {
+    if (images_.at(slot - kFirstImageSlot).imageView == VK_NULL_HANDLE) continue;
+    VkWriteDescriptorSet& write = add(slot);
+    write.descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+    write.pImageInfo = &images_.at(slot - kFirstImageSlot);
+  }
+  context_.push_descriptors()(commands_, point, context_.pipeline_layout(), 0, count, writes.data());
+}
+
+void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments) {
+  ++geometry_passes_;
+  const VkAttachmentLoadOp load = attachments.clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+  std::vector<VkRenderingAttachmentInfo> colors;
+  for (const Image* image : attachments.colors) {
+    colors.push_back({.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                      .imageView = image->view(),
+                      .imageLayout = VK_IMAGE_LAYOUT_GENERAL,
+                      .loadOp = load,
+                      .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                      .clearValue = {.color = attachments.clear_color}});
+  }
+  VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  if (attachments.depth != nullptr) {
+    depth.imageView = attachments.depth->view();
+    depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    depth.loadOp = load;
+    depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    depth.clearValue.depthStencil = {.depth = 1.0F, .stencil = 0};
+  }
+  const VkRect2D area{.offset = {0, 0}, .extent = {attachments.width, attachments.height}};
+  const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                  .renderArea = area,
+                                  .layerCount = 1,
+                                  .colorAttachmentCount = static_cast<std::uint32_t>(colors.size()),
+                                  .pColorAttachments = colors.data(),
+                                  .pDepthAttachment = attachments.depth != nullptr ? &depth : nullptr};
+  vkCmdBeginRendering(commands_, &rendering);
+  // A band is a window on the whole picture: moved by whole pixels, nothing rasterises differently.
+  const VkViewport viewport{.x = 0,
+                            .y = -static_cast<float>(attachments.first_row),
+                            .width = static_cast<float>(attachments.width),
+                            .height = static_cast<float>(attachments.picture_height),
+                            .minDepth = 0,
+                            .maxDepth = 1};
+  vkCmdSetViewport(commands_, 0, 1, &viewport);
+  vkCmdSetScissor(commands_, 0, 1, &area);
+  push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
+  const std::array<VkBuffer, 2> vertices{scene.positions.get(), scene.normals.get()};
+  const std::array<VkDeviceSize, 2> offsets{};
+  vkCmdBindVertexBuffers(commands_, 0, 2, vertices.data(), offsets.data());
+  vkCmdBindIndexBuffer(commands_, scene.indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  for (const DrawRange& range : scene.ranges) {
+    const OwnedPipeline& chosen = range.culled ? pipeline.culled : pipeline.two_sided;
+    vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, chosen.get());
+    push_.first_triangle = range.first_triangle;
+    vkCmdPushConstants(commands_, context_.pipeline_layout(),
+                       VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                       sizeof push_, &push_);
+    vkCmdDrawIndexed(commands_, 3 * range.triangles, 1, 3 * range.first_triangle, 0, 0);
+  }
+  vkCmdEndRendering(commands_);
+}
+
+void Recorder::dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, std::uint32_t groups_y) {
+  count_fullscreen_pass();
+  push_state(VK_PIPELINE_BIND_POINT_COMPUTE);
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
+  vkCmdPushConstants(commands_, context_.pipeline_layout(),
+                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                     sizeof push_, &push_);
+  vkCmdDispatch(commands_, groups_x, groups_y, 1);
+}
+
+void Recorder::dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset) {
+  push_state(VK_PIPELINE_BIND_POINT_COMPUTE);
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
+  vkCmdPushConstants(commands_, context_.pipeline_layout(),
+                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                     sizeof push_, &push_);
+  vkCmdDispatchIndirect(commands_, arguments.get(), offset);
+}
+
+void Recorder::write_timestamp(VkQueryPool pool, std::uint32_t query) {
+  // Some drivers let a timestamp slip into the next pass: a barrier right behind it holds it where it is.
+  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, query);
+  barrier();
+}
+
+}  // namespace pellucid::render

@@ -1,0 +1,80 @@
+// recorder.h - what a technique says to the device: draw the scene into these attachments, run this kernel, wait.
+//
+// All images stay in the layout GENERAL, and `barrier` makes everything before it visible to everything after it:
+// passes over a whole picture are long, and what a finer barrier saves is not measurable beside them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "memory.h"
+#include "pipeline.h"
+
+namespace pellucid::render {
+
+struct GpuScene;
+
+// Slots of the descriptor set: shaders/interface/frame.glsl.
+enum class Slot : std::uint32_t {
+  frame, triangles, surfaces, counters, picture, state_front, state_group, dump,
+  a, b, c, d, indices, positions, state_back, state_back_group, objects, e,
+  image_0, image_1, image_2
+};
+
+struct PushConstants {
+  std::uint32_t first_triangle = 0;
+  std::uint32_t round = 0;
+  std::array<std::uint32_t, 4> p{};
+};
+static_assert(sizeof(PushConstants) <= kPushBytes);
+
+struct Attachments {
+  std::vector<const Image*> colors;
+  const Image* depth = nullptr;
+  bool clear = true;                       // colours to `clear_color`, depth to 1; else loaded
+  VkClearColorValue clear_color{};
+  std::uint32_t width = 0, height = 0;     // of the pass
+  std::int32_t first_row = 0;              // of the band in the picture
+  std::uint32_t picture_height = 0;
+};
+
+class Recorder {
+ public:
+  // All buffer slots hold `unused` until something else is bound.
+  Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused);
+
+  void bind(Slot slot, const Buffer& buffer);
+  void bind(Slot slot, const Image& image);
+  PushConstants& push() { return push_; }
+
+  // Before the first use of an image.
+  void prepare(const Image& image);
+  void barrier();
+  void fill(const Buffer& buffer, std::uint32_t word);
+  void copy(const Buffer& from, const Buffer& to);
+
+  // One geometry pass: all triangles of the scene.
+  void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments);
+  void dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, std::uint32_t groups_y);
+  // As many groups as the three words at `offset` say.
+  void dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset);
+  void count_fullscreen_pass() { ++fullscreen_passes_; }
+
+  void write_timestamp(VkQueryPool pool, std::uint32_t query);
+
+  [[nodiscard]] std::uint32_t geometry_passes() const { return geometry_passes_; }
+  [[nodiscard]] std::uint32_t fullscreen_passes() const { return fullscreen_passes_; }
+
+ private:
+  void push_state(VkPipelineBindPoint point);
+
+  Context& context_;
+  VkCommandBuffer commands_;
+  PushConstants push_;
+  std::array<VkDescriptorBufferInfo, kFirstImageSlot> buffers_{};
+  std::array<VkDescriptorImageInfo, kSlots - kFirstImageSlot> images_{};
+  std::uint32_t geometry_passes_ = 0, fullscreen_passes_ = 0;
+};
+
+}  // namespace pellucid::render

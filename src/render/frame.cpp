@@ -1,0 +1,62 @@
+// A picture while it is drawn: see frame.h.
+#include "frame.h"
+
+#include <fmt/format.h>
+
+namespace pellucid::render {
+namespace {
+
+void append(std::string& key, const Constants& constants) {
+  for (const std::uint32_t c : constants) key.append(" ").append(std::to_string(c));
+}
+
+}  // namespace
+
+const ScenePipeline& Pipelines::scene(const GraphicsSpec& spec) {
+  std::string key = fmt::format("{} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
+                                static_cast<int>(spec.blend), static_cast<int>(spec.depth),
+                                static_cast<int>(spec.depth_test), spec.depth_write, spec.route_by_stencil);
+  for (const VkFormat format : spec.colors) key.append(" c").append(std::to_string(static_cast<int>(format)));
+  append(key, spec.constants);
+  const auto found = scene_.find(key);
+  if (found != scene_.end()) return found->second;
+  return scene_.emplace(key, make_scene_pipeline(context_, spec)).first->second;
+}
+
+const OwnedPipeline& Pipelines::compute(std::string_view shader, const Constants& constants) {
+  std::string key(shader);
+  append(key, constants);
+  const auto found = compute_.find(key);
+  if (found != compute_.end()) return found->second;
+  return compute_.emplace(key, make_compute_pipeline(context_, shader, constants)).first->second;
+}
+
+Buffer Frame::make_buffer(const std::string& name, std::uint64_t bytes) {
+  Buffer buffer(context, name, bytes);
+  technique_bytes += buffer.bytes();
+  return buffer;
+}
+
+Image Frame::make_image(const std::string& name, VkFormat format, std::uint32_t layers) {
+  Image image(context, name, {.format = format, .width = width, .height = height, .layers = layers});
+  technique_bytes += image.bytes();
+  return image;
+}
+
+Attachments Frame::attachments() const {
+  return {.width = width,
+          .height = height,
+          .first_row = static_cast<std::int32_t>(first_row),
+          .picture_height = picture_height};
+}
+
+void Frame::gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const {
+  recorder.draw(scene, pipelines.scene({.fragment_shader = fragment_shader, .constants = constants}), attachments());
+}
+
+std::uint32_t loop_budget(const DeviceInfo& device) {
+  // Measured on lavapipe 22.3.6: after 65,535 turns all loops of an invocation end, silently.
+  return device.cpu ? 60'000U : 0xFFFFFFFFU;
+}
+
+}  // namespace pellucid::render

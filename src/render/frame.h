@@ -1,0 +1,65 @@
+// frame.h - one picture, or a band of it, while it is drawn: what techniques find there and may ask for.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "device/recorder.h"
+#include "gpu_scene.h"
+
+namespace pellucid::render {
+
+// kEffect beyond the public effects: deliver the fragments themselves (shaders/resolve/dump.glsl).
+constexpr std::uint32_t kDumpEffect = 7;
+
+// Pipelines are made once and kept as long as the device.
+class Pipelines {
+ public:
+  explicit Pipelines(Context& context) : context_(context) {}
+  const ScenePipeline& scene(const GraphicsSpec& spec);
+  const OwnedPipeline& compute(std::string_view shader, const Constants& constants);
+
+ private:
+  Context& context_;
+  std::map<std::string, ScenePipeline> scene_;
+  std::map<std::string, OwnedPipeline> compute_;
+};
+
+// shaders/interface/counters.glsl
+struct Counters {
+  std::uint32_t next_node, next_back, captured, coplanar, overflowed, active_pixels, rounds, covered, deepest,
+      coplanar_pixels;
+};
+
+struct Frame {
+  Context& context;
+  Pipelines& pipelines;
+  const GpuScene& scene;
+  const RenderOptions& options;
+  std::uint32_t effect = 0;                          // kEffect
+  std::uint32_t width = 0, height = 0;               // of the band
+  std::uint32_t first_row = 0, picture_height = 0;   // where it lies
+  std::uint64_t fragments = 0, deepest = 0;          // in it, counted beforehand
+  Buffer counters;
+  std::uint64_t technique_bytes = 0;
+
+  [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t{width} * height; }
+  // Nodes of a pool.
+  [[nodiscard]] std::uint64_t capacity() const { return options.pool != 0 ? options.pool : fragments; }
+  [[nodiscard]] std::uint32_t tiles_x() const { return (width + 7) / 8; }
+  [[nodiscard]] std::uint32_t tiles_y() const { return (height + 7) / 8; }
+
+  // A technique's own memory, which is counted.
+  Buffer make_buffer(const std::string& name, std::uint64_t bytes);
+  Image make_image(const std::string& name, VkFormat format, std::uint32_t layers = 1);
+
+  // A geometry pass without attachments, and one with.
+  void gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const;
+  [[nodiscard]] Attachments attachments() const;
+};
+
+// Turns that a shader's loops may make in all (docs/rendering.md).
+std::uint32_t loop_budget(const DeviceInfo& device);
+
+}  // namespace pellucid::render

@@ -1,0 +1,366 @@
+// Drawing: count, cut into bands where buffers would be too large, capture, resolve, read back.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+#include <optional>
+
+#include "capture/technique.h"
+#include "effects.h"
+#include "frame.h"
+
+namespace pellucid {
+namespace render {
+namespace {
+
+// shaders/interface/frame.glsl, std430
+struct FrameData {
+  std::array<float, 16> clip_from_world{};
+  std::array<float, 4> eye{}, to_viewer{}, fill_light{}, background{}, planes{};
+  std::array<std::uint32_t, 2> size{};
+  std::uint32_t objects = 0, capacity = 0;
+  std::array<float, 4> line{};
+  std::uint32_t first_row = 0, csg = 0, unused_0 = 0, unused_1 = 0;
+};
+static_assert(sizeof(FrameData) == 192);
+
+std::array<float, 4> four(const Vec3d& v, double w) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
+}
+
+// Column-major; y points down, depth runs from 0 at the near to 1 at the far plane (raster.h).
+std::array<float, 16> clip_from_world(const Camera& camera) {
+  const double half_width = camera.half_height * camera.width / camera.height;
+  const double n = camera.near_plane;
+  const double f = camera.far_plane;
+  struct Row {
+    Vec3d direction;
+    double offset;
+  };
+  const auto row = [&](const Vec3d& axis, double scale, double shift) {
+    return Row{axis * scale, shift - scale * dot(axis, camera.eye)};
+  };
+  const Row x = row(camera.right, 1 / half_width, 0);
+  const Row y = row(camera.up, -1 / camera.half_height, 0);
+  const Row z = camera.perspective ? row(camera.forward, f / (f - n), -f * n / (f - n))
+                                   : row(camera.forward, 1 / (f - n), -n / (f - n));
+  const Row w = camera.perspective ? row(camera.forward, 1, 0) : Row{{0, 0, 0}, 1};
+  std::array<float, 16> m{};
+  const std::array<Row, 4> rows{x, y, z, w};
+  for (std::size_t i = 0; i < 4; ++i) {
+    m.at(i) = static_cast<float>(rows.at(i).direction.x);
+    m.at(4 + i) = static_cast<float>(rows.at(i).direction.y);
+    m.at(8 + i) = static_cast<float>(rows.at(i).direction.z);
+    m.at(12 + i) = static_cast<float>(rows.at(i).offset);
+  }
+  return m;
+}
+
+FrameData frame_data(const Camera& camera, const Frame& frame) {
+  FrameData data;
+  data.clip_from_world = clip_from_world(camera);
+  data.eye = four(camera.eye, camera.perspective ? 1 : 0);
+  data.to_viewer = four(-camera.forward, 0);
+  // The same light as in pellucid/shading.h.
+  data.fill_light = four(normalized(camera.up * 0.8 - camera.right * 0.55 - camera.forward * 0.35), 0);
+  data.background = four(to_double(frame.options.background), 1);
+  data.planes = {static_cast<float>(camera.near_plane), static_cast<float>(camera.far_plane),
+                 static_cast<float>(1 / camera.near_plane), static_cast<float>(1 / camera.far_plane)};
+  data.size = {frame.width, frame.height};
+  data.objects = frame.scene.object_count;
+  data.capacity = static_cast<std::uint32_t>(std::min<std::uint64_t>(frame.capacity(), 0xFFFFFFFEU));
+  data.line = four(to_double(frame.options.edge_color), camera.height);
+  data.first_row = frame.first_row;
+  data.csg = static_cast<std::uint32_t>(frame.options.csg);
+  return data;
+}
+
+OwnedQueryPool make_timestamps(Context& context) {
+  const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                   .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                   .queryCount = 2};
+  VkQueryPool pool = VK_NULL_HANDLE;
+  check(vkCreateQueryPool(context.device(), &info, nullptr, &pool), "creating queries");
+  return {context.device(), pool};
+}
+
+}  // namespace
+}  // namespace render
+
+struct Renderer::Implementation {
+  explicit Implementation(const DeviceOptions& options)
+      : context(options), pipelines(context), timestamps(render::make_timestamps(context)), unused(context, "unused slot", 16) {}
+
+  // What a draw() is about.
+  struct Job {
+    const Camera& camera;
+    const RenderOptions& options;
+    const render::TechniqueEntry& technique;
+    std::uint32_t effect;
+    Progress* progress;
+  };
+  struct Band {
+    std::uint32_t first_row, rows;
+  };
+
+  void draw_band(const Job& job, const Band& band, RenderResult& result);
+  render::Frame make_frame(const Job& job, const Band& band);
+  // Fragments of every pixel.
+  std::vector<std::uint32_t> count(const Job& job, render::Frame& frame);
+  void capture(const Job& job, render::Frame& frame, render::Technique& technique, RenderResult& result,
+               const std::vector<std::uint32_t>& counts);
+  // Record, submit, time.
+  void run(const Job& job, const render::Frame& frame, CaptureStats& stats,
+           const std::function<void(render::Recorder&)>& record);
+  void read_picture(const render::Frame& frame, RenderResult& result);
+  void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump, RenderResult& result);
+
+  render::Context context;
+  render::Pipelines pipelines;
+  render::OwnedQueryPool timestamps;
+  std::optional<render::GpuScene> scene;
+  render::Buffer unused;  // in slots that a shader mentions but does not reach
+  render::Buffer frame_buffer, picture, dump;
+};
+
+render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& band) {
+  return {.context = context,
+          .pipelines = pipelines,
+          .scene = *scene,
+          .options = job.options,
+          .effect = job.effect,
+          .width = job.camera.width,
+          .height = band.rows,
+          .first_row = band.first_row,
+          .picture_height = job.camera.height,
+          .counters = render::Buffer(context, "counters", sizeof(render::Counters))};
+}
+
+void Renderer::Implementation::run(const Job& job, const render::Frame& frame, CaptureStats& stats,
+                                   const std::function<void(render::Recorder&)>& record) {
+  stop_if_requested(job.progress);
+  context.submit([&](VkCommandBuffer commands) {
+    vkCmdResetQueryPool(commands, timestamps.get(), 0, 2);
+    render::Recorder recorder(context, commands, unused);
+    recorder.bind(render::Slot::frame, frame_buffer);
+    recorder.bind(render::Slot::triangles, scene->triangles);
+    recorder.bind(render::Slot::surfaces, scene->surfaces);
+    recorder.bind(render::Slot::indices, scene->indices);
+    recorder.bind(render::Slot::positions, scene->positions);
+    recorder.bind(render::Slot::objects, scene->objects);
+    recorder.bind(render::Slot::counters, frame.counters);
+    if (picture) recorder.bind(render::Slot::picture, picture);
+    if (dump) recorder.bind(render::Slot::dump, dump);
+    recorder.write_timestamp(timestamps.get(), 0);
+    record(recorder);
+    recorder.barrier();
+    recorder.write_timestamp(timestamps.get(), 1);
+    stats.geometry_passes += recorder.geometry_passes();
+    stats.fullscreen_passes += recorder.fullscreen_passes();
+  });
+  std::array<std::uint64_t, 2> ticks{};
+  render::check(vkGetQueryPoolResults(context.device(), timestamps.get(), 0, 2, sizeof ticks, ticks.data(),
+                                      sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                "reading timestamps");
+  stats.milliseconds += static_cast<double>(ticks[1] - ticks[0]) * context.nanoseconds_per_tick() * 1e-6;
+}
+
+std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, render::Frame& frame) {
+  const render::Buffer counts(context, "fragment counts", 4 * frame.pixels());
+  const render::FrameData data = render::frame_data(job.camera, frame);
+  render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
+  CaptureStats ignored;
+  run(job, frame, ignored, [&](render::Recorder& recorder) {
+    recorder.bind(render::Slot::a, counts);
+    recorder.fill(counts, 0);
+    recorder.barrier();
+    frame.gather(recorder, "capture/count.frag", {});
+  });
+  std::vector<std::uint32_t> values(frame.pixels());
+  counts.download(context, std::as_writable_bytes(std::span(values)));
+  frame.fragments = std::accumulate(values.begin(), values.end(), std::uint64_t{0});
+  frame.deepest = *std::max_element(values.begin(), values.end());
+  return values;
+}
+
+void Renderer::Implementation::capture(const Job& job, render::Frame& frame, render::Technique& technique,
+                                       RenderResult& result, const std::vector<std::uint32_t>& counts) {
+  CaptureStats& stats = result.stats;
+  const render::FrameData data = render::frame_data(job.camera, frame);
+  render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
+  picture = render::Buffer(context, "picture", 16 * frame.pixels());
+  std::vector<std::uint32_t> offsets;
+  if (job.effect == render::kDumpEffect) {
+    offsets.reserve(counts.size() + 1);
+    offsets.push_back(0);
+    for (const std::uint32_t n : counts) offsets.push_back(offsets.back() + n);
+    std::vector<std::uint32_t> words = offsets;
+    words.resize(offsets.size() + 2 * frame.fragments, 0);
+    dump = render::Buffer(context, "fragments", 4 * words.size());
+    render::upload<std::uint32_t>(context, dump, words);
+  }
+  technique.allocate(frame);
+  stats.bytes = std::max(stats.bytes, frame.technique_bytes);
+  run(job, frame, stats, [&](render::Recorder& recorder) {
+    recorder.fill(frame.counters, 0);
+    technique.start(frame, recorder);
+  });
+  render::Counters counters{};
+  const auto read_counters = [&] { frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1))); };
+  if (technique.peels()) {
+    // A round per depth layer and pair of coplanar fragments at most, and one that finds nothing.
+    const std::uint64_t most_rounds = frame.deepest + 2;
+    for (std::uint32_t round = 0; round < most_rounds; ++round) {
+      run(job, frame, stats, [&](render::Recorder& recorder) { technique.peel(frame, recorder, round); });
+      ++stats.rounds;
+      read_counters();
+      if (counters.active_pixels == 0) break;
+    }
+    run(job, frame, stats, [&](render::Recorder& recorder) { technique.finish(frame, recorder); });
+  }
+  read_counters();
+  stats.fragments += frame.fragments;
+  stats.captured += counters.captured;
+  stats.overflowed += counters.overflowed;
+  stats.coplanar += counters.coplanar;
+  stats.coplanar_pixels += counters.coplanar_pixels;
+  stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
+  stats.covered_pixels +=
+      static_cast<std::uint64_t>(std::count_if(counts.begin(), counts.end(), [](std::uint32_t n) { return n > 0; }));
+  if (job.effect == render::kDumpEffect) {
+    read_fragments(frame, offsets, result);
+  } else {
+    read_picture(frame, result);
+  }
+}
+
+void Renderer::Implementation::read_picture(const render::Frame& frame, RenderResult& result) {
+  std::vector<std::array<float, 4>> values(frame.pixels());
+  picture.download(context, std::as_writable_bytes(std::span(values)));
+  for (const std::array<float, 4>& v : values) result.pixels.push_back({v[0], v[1], v[2]});
+}
+
+void Renderer::Implementation::read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& offsets,
+                                              RenderResult& result) {
+  std::vector<std::array<std::uint32_t, 2>> values(frame.fragments);
+  dump.download(context, std::as_writable_bytes(std::span(values)), 4 * offsets.size());
+  CapturedFragments& out = result.fragments;
+  if (out.offsets.empty()) out.offsets.push_back(0);
+  for (std::size_t p = 0; p + 1 < offsets.size(); ++p) {
+    for (std::uint32_t i = offsets[p]; i < offsets[p + 1]; ++i) {
+      // Places that the technique left empty have no id.
+      if (values[i][1] != 0) out.fragments.push_back({std::bit_cast<float>(values[i][0]), values[i][1] - 2});
+    }
+    out.offsets.push_back(out.fragments.size());
+  }
+}
+
+void Renderer::Implementation::draw_band(const Job& job, const Band& band, RenderResult& result) {
+  const std::uint64_t most = context.info().max_buffer_bytes;
+  const auto halves = [&] {
+    const std::uint32_t upper = band.rows / 2;
+    draw_band(job, {band.first_row, upper}, result);
+    draw_band(job, {band.first_row + upper, band.rows - upper}, result);
+  };
+  render::Frame frame = make_frame(job, band);
+  if (band.rows > 1 && 32 * frame.pixels() > most) return halves();
+  const std::vector<std::uint32_t> counts = count(job, frame);
+  const std::unique_ptr<render::Technique> technique = job.technique.make();
+  const std::uint64_t needed =
+      std::max(technique->largest_buffer(frame),
+               job.effect == render::kDumpEffect ? 4 * (frame.pixels() + 1) + 8 * frame.fragments : 0);
+  if (band.rows > 1 && needed > most) return halves();
+  capture(job, frame, *technique, result, counts);
+}
+
+Renderer::Renderer(const DeviceOptions& options) : implementation_(std::make_unique<Implementation>(options)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+const DeviceInfo& Renderer::info() const {
+  return implementation_->context.info();
+}
+
+void Renderer::load(const RenderScene& scene) {
+  implementation_->scene.reset();
+  implementation_->scene = render::upload_scene(implementation_->context, scene);
+  implementation_->frame_buffer = render::Buffer(implementation_->context, "frame", sizeof(render::FrameData));
+}
+
+std::vector<std::string> Renderer::validation_messages() const {
+  return implementation_->context.validation_messages();
+}
+
+std::span<const TechniqueInfo> render_techniques() {
+  static const std::vector<TechniqueInfo> infos = [] {
+    std::vector<TechniqueInfo> list;
+    for (const render::TechniqueEntry& entry : render::technique_entries()) list.push_back(entry.info);
+    return list;
+  }();
+  return infos;
+}
+
+std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device) {
+  if (technique.needs_atomics64 && !device.atomics64) return "64-bit atomics on buffers";
+  if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
+  return "";
+}
+
+namespace {
+
+const render::TechniqueEntry& find_technique(const RenderOptions& options, const DeviceInfo& device) {
+  std::string names;
+  for (const render::TechniqueEntry& entry : render::technique_entries()) {
+    names.append(names.empty() ? "" : ", ").append(entry.info.name);
+    if (entry.info.name != options.technique) continue;
+    const std::string missing = missing_for(entry.info, device);
+    if (missing.empty()) return entry;
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--technique {} needs {}, which {} has not", options.technique, missing, device.name));
+  }
+  throw Error(ErrorKind::bad_argument,
+              fmt::format("--technique: there is no '{}'; there are {}", options.technique, names));
+}
+
+void check_options(const Camera& camera, const RenderOptions& options, const DeviceInfo& device,
+                   std::uint32_t objects) {
+  if (camera.width == 0 || camera.height == 0 || camera.width > device.max_side || camera.height > device.max_side) {
+    throw Error(ErrorKind::bad_argument, fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
+                                                     device.max_side, camera.width, camera.height));
+  }
+  if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
+  if (objects > render::most_objects(options.effect)) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--effect {}: at most {} objects can be told apart, the scene has {}",
+                            render_effects()[static_cast<std::size_t>(options.effect)].name,
+                            render::most_objects(options.effect), objects));
+  }
+}
+
+}  // namespace
+
+RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, Progress* progress) {
+  Implementation& self = *implementation_;
+  if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
+  check_options(camera, options, info(), self.scene->object_count);
+  Implementation::Job job{camera, options, find_technique(options, info()), static_cast<std::uint32_t>(options.effect),
+                          progress};
+  RenderResult result;
+  result.width = camera.width;
+  result.height = camera.height;
+  self.draw_band(job, {0, camera.height}, result);
+  if (options.keep_fragments) {
+    job.effect = render::kDumpEffect;
+    RenderResult dumped;
+    self.draw_band(job, {0, camera.height}, dumped);
+    result.fragments = std::move(dumped.fragments);
+  }
+  self.picture = {};
+  self.dump = {};
+  return result;
+}
+
+}  // namespace pellucid

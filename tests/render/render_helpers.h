@@ -1,0 +1,36 @@
+// Scenes that bring coincident surfaces, and what their fragments are according to the CPU.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pellucid/render.h"
+
+namespace pellucid::testing {
+
+// The device that all tests of a program share, with validation on where the layers are there.
+Renderer& test_renderer();
+bool validation_is_on();
+// What validation complained of first, in this process; empty: of nothing.
+std::string first_validation_message();
+
+// Random small triangles in 0..1^3, in layers at dyadic depths, some of them several times.
+RenderScene random_stack(std::uint64_t seed, std::size_t triangles);
+// `copies` squares of two triangles each over the whole picture, at one depth.
+RenderScene coplanar_squares(std::uint32_t copies, float depth);
+// Two scenes as one; the second's objects after the first's.
+RenderScene joined(const RenderScene& a, const RenderScene& b);
+// Of a mesh, as one object.
+RenderScene scene_of(const Mesh& mesh);
+
+// Looks along +z at the unit cube, without perspective: positions on a grid of 1 / 256 pixel are where the CPU raster
+// sees them, and depths of dyadic numbers are exact.
+Camera unit_camera(std::uint32_t width, std::uint32_t height);
+
+// The oracle: all fragments of the scene.
+FragmentBuffer cpu_fragments(const RenderScene& scene, const Camera& camera);
+
+// Fragments of a pixel, coincident ones by their ids.
+std::vector<Fragment> pixel_of(const CapturedFragments& captured, std::size_t pixel);
+
+}  // namespace pellucid::testing

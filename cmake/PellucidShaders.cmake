@@ -13,7 +13,7 @@ set(PELLUCID_SHADERS
 foreach(storage ranges lists arrays)
   string(TOUPPER ${storage} define)
   list(APPEND PELLUCID_SHADERS "resolve/classify_${storage}.comp|resolve/classify.comp|${define}")
-  foreach(room 4 8 16 32)
+  foreach(room 4 8 16)
     list(APPEND PELLUCID_SHADERS "resolve/${storage}_${room}.comp|resolve/lists.comp|${define} ROOM=${room}")
   endforeach()
   list(APPEND PELLUCID_SHADERS "resolve/${storage}_long.comp|resolve/lists.comp|${define} ROOM=32 LONG")

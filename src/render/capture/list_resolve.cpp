@@ -7,7 +7,11 @@ namespace pellucid::render {
 namespace {
 
 // Classes of shaders/resolve/tiles.glsl.
-constexpr std::array<const char*, 5> kClasses{"4", "8", "16", "32", "long"};
+struct TileClass {
+  const char* kernel;
+  std::uint64_t more_than;  // fragments in the longest list of the tile
+};
+constexpr std::array<TileClass, 4> kClasses{{{"4", 0}, {"8", 4}, {"16", 8}, {"long", 16}}};
 
 }  // namespace
 
@@ -26,8 +30,10 @@ void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k) cons
   recorder.barrier();
   recorder.push().p[0] = loop_budget(frame.context.info());
   for (std::uint32_t i = 0; i < kClasses.size(); ++i) {
+    // Classes that no pixel of the frame can need are not even compiled.
+    if (i > 0 && frame.deepest <= kClasses.at(i).more_than) break;
     recorder.push().p[1] = i;
-    const std::string kernel = frame.options.plain_resolve ? "plain" : kClasses.at(i);
+    const std::string kernel = frame.options.plain_resolve ? "plain" : kClasses.at(i).kernel;
     recorder.dispatch_indirect(frame.pipelines.compute("resolve/" + storage_ + "_" + kernel + ".comp", constants),
                                tiles_, 12 * std::uint64_t{i});
     recorder.barrier();

@@ -1,8 +1,10 @@
-// pellucid render: one picture of a file, drawn exactly or as one of its orders draws it.
+// pellucid render: one picture of a file: its fragments captured by a technique and folded by an effect, or drawn as
+// one of its orders draws it.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
+#include "capture_picture.h"
 #include "choice.h"
 #include "pellucid/metric.h"
 #include "pellucid/report.h"
@@ -15,7 +17,7 @@ namespace {
 
 enum class Picture { exact, buffers, original, centroid, error };
 
-struct RenderOptions {
+struct RenderCommand {
   std::string input, output;
   std::string technique = "cpu";
   Picture picture = Picture::exact;
@@ -23,6 +25,7 @@ struct RenderOptions {
   std::string camera = "30,20,3";
   std::string size = "1280x720";
   ShadingOptions shading;
+  CapturePicture capture;
 };
 
 struct Size {
@@ -52,13 +55,37 @@ void require_orders(const Scene& scene, const std::string& path) {
   throw Error(ErrorKind::nothing_to_do, path + ": there are no orders in it: run pellucid order first");
 }
 
-void run_render(const RenderOptions& options, Session& session) {
-  if (options.technique != "cpu") {
+// Orders are judged on the CPU, by surfaces that all look the same.
+bool draws_orders(const RenderCommand& options) {
+  return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
+         options.capture.surfaces == Surfaces::uniform;
+}
+
+void run_capture(const RenderCommand& options, Session& session) {
+  if (options.picture != Picture::exact) {
     throw Error(ErrorKind::bad_argument,
-                "--technique: '" + options.technique + "' is not there (see pellucid techniques)");
+                "--order " + options.picture_name + " is drawn with --technique cpu, --effect transparency and "
+                "--surfaces uniform");
   }
+  if (options.shading.shading != Shading::lit) {
+    throw Error(ErrorKind::bad_argument, "--shading depth is drawn with --technique cpu and --effect transparency");
+  }
+  const Size size = parse_size(options.size);
+  CapturePicture picture = options.capture;
+  picture.input = options.input;
+  picture.output = options.output;
+  picture.camera_text = options.camera;
+  picture.options.technique = options.technique;
+  picture.look = {options.shading.color, options.shading.alpha};
+  picture.width = size.width;
+  picture.height = size.height;
+  render_capture(picture, session);
+}
+
+void run_render(const RenderCommand& options, Session& session) {
   check_writable(options.output);
   session.check_json();
+  if (!draws_orders(options)) return run_capture(options, session);
   const Stopwatch watch;
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);
@@ -113,20 +140,38 @@ void run_render(const RenderOptions& options, Session& session) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<RenderOptions>();
+  auto options = std::make_shared<RenderCommand>();
   CLI::App* command =
-      add_command(app, chosen, "render", "One picture of a file, its faces translucent",
+      add_command(app, chosen, "render", "One picture of a file: all its fragments, folded by an effect",
                   "  pellucid render goblet.glb -o exact.png\n"
                   "  pellucid render ordered.glb -o buffers.png --order buffers --camera 120,-10,2.5\n"
                   "  pellucid render ordered.glb -o wrong.png --order error --size 1024x1024\n"
-                  "  pellucid render bunny.ply -o depth.png --order original --shading depth",
+                  "  pellucid render bunny.ply -o depth.png --order original --shading depth\n"
+                  "  pellucid render bottles.glb -o all.png --technique sb --surfaces file\n"
+                  "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
                   1, [options](Session& session) { run_render(*options, session); });
-  RenderOptions& o = *options;
+  RenderCommand& o = *options;
   command->add_option("FILE", o.input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
   command->add_option("-o,--output", o.output, "The PNG to write")->required()->type_name("FILE");
   command->add_option("--technique", o.technique, "How fragments are gathered (see pellucid techniques)")
       ->type_name("NAME")
       ->capture_default_str();
+  std::vector<std::pair<std::string, Effect>> effects;
+  for (const NamedEffect& e : render_effects()) effects.emplace_back(e.name, e.effect);
+  add_choice(*command, "--effect", o.capture.options.effect, effects, "What becomes of them (default transparency)");
+  add_choice(*command, "--csg", o.capture.options.csg,
+             {{"union", CsgOperation::union_of_all},
+              {"intersection", CsgOperation::intersection},
+              {"difference", CsgOperation::difference}},
+             "Operation of --effect csg on the file's objects; difference: the first minus all others");
+  add_choice(*command, "--surfaces", o.capture.surfaces, {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
+             "uniform: all of one colour (default); file: base colours and alpha modes of the materials");
+  command->add_option("--k", o.capture.options.k, "Fragments a pixel, or buckets, of techniques with a fixed number")
+      ->check(CLI::Range(1, 64))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--device", o.capture.device.device, "Vulkan device, by a part of its name")->type_name("NAME");
+  command->add_flag("--validate", o.capture.device.validate, "Draw under Vulkan's validation layers");
   add_choice(*command, "--order", o.picture,
              {{"exact", Picture::exact},
               {"buffers", Picture::buffers},

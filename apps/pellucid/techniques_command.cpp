@@ -1,39 +1,86 @@
-// pellucid techniques: every way of drawing that `render` knows.
+// pellucid techniques: every way of capturing fragments that `render` knows, and what this machine has for it.
 #include <fmt/format.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "pellucid/render.h"
 #include "pellucid/report.h"
 #include "session.h"
 
 namespace pellucid::cli {
 namespace {
 
-void list_techniques(Session& session) {
-  session.print(fmt::format("{:<8} {:<6} {}\n{:<8} {:<6} {}\n", "name", "exact", "what", "cpu", "yes",
-                            "every fragment of every pixel on the CPU, in depth order: the oracle"));
+nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missing) {
+  nlohmann::ordered_json lacks = nlohmann::ordered_json::array();
+  if (!missing.empty()) lacks.push_back(missing);
+  return {{"name", t.name},
+          {"title", t.title},
+          {"paper", t.paper.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(t.paper)},
+          {"exact", t.exact},
+          {"captures", t.captures},
+          {"available", missing.empty()},
+          {"missing", lacks},
+          {"passes_formula", t.passes_formula},
+          {"bytes_formula", t.bytes_formula},
+          {"msaa", {1}}};
+}
+
+TechniqueInfo cpu_technique() {
+  return {.name = "cpu",
+          .title = "every fragment of every pixel on the CPU: the oracle",
+          .paper = "",
+          .exact = true,
+          .captures = "all",
+          .passes_formula = "1",
+          .bytes_formula = "8 N + 8",
+          .needs_atomics64 = false,
+          .needs_layered = false};
+}
+
+// Empty where there is none; why, is a note.
+std::optional<DeviceInfo> find_device(const DeviceOptions& options, const Session& session) {
+  try {
+    return Renderer(options).info();
+  } catch (const Error& error) {
+    if (!options.device.empty()) throw;
+    session.note(error.what());
+    return std::nullopt;
+  }
+}
+
+void list_techniques(const DeviceOptions& options, Session& session) {
+  const std::optional<DeviceInfo> device = find_device(options, session);
+  std::string text = device ? fmt::format("on {} ({})\n", device->name, device->driver) : "";
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  const auto add = [&](const TechniqueInfo& t, const std::string& missing) {
+    text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}{}\n", t.name, t.exact ? "yes" : "no", t.passes_formula,
+                        t.bytes_formula, t.title, missing.empty() ? "" : " (needs " + missing + ")");
+    list.push_back(to_json(t, missing));
+  };
+  text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}\n", "name", "exact", "geometry passes", "bytes a pixel", "what");
+  add(cpu_technique(), "");
+  for (const TechniqueInfo& t : render_techniques()) add(t, device ? missing_for(t, *device) : "a Vulkan device");
+  text +=
+      "N fragments of the pixel, D depth layers, C fragments of a layer, K from --k; exact: all of them, coplanar ones too\n";
+  session.print(text);
   const nlohmann::ordered_json json = {{"schema", 1},
                                        {"version", library_version()},
-                                       {"device", "cpu"},
-                                       {"techniques",
-                                        {{{"name", "cpu"},
-                                          {"paper", nullptr},
-                                          {"exact", true},
-                                          {"available", true},
-                                          {"missing", nlohmann::ordered_json::array()},
-                                          {"passes_formula", "1"},
-                                          {"bytes_formula", "8 * fragments + 8 * pixels"},
-                                          {"msaa", {1}}}}}};
+                                       {"device", device ? device->name : "cpu"},
+                                       {"techniques", list}};
   session.write_json(json.dump(2) + "\n");
 }
 
 }  // namespace
 
 void add_techniques_command(CLI::App& app, Chosen& chosen) {
-  add_command(app, chosen, "techniques", "Every technique that render knows",
-              "  pellucid techniques\n"
-              "  pellucid techniques --json -",
-              1, list_techniques);
+  auto options = std::make_shared<DeviceOptions>();
+  CLI::App* command = add_command(app, chosen, "techniques", "Every technique that render knows",
+                                  "  pellucid techniques\n"
+                                  "  pellucid techniques --json -",
+                                  1, [options](Session& session) { list_techniques(*options, session); });
+  command->add_option("--device", options->device, "Vulkan device, by a part of its name")->type_name("NAME");
 }
 
 }  // namespace pellucid::cli

@@ -138,6 +138,11 @@ struct RenderResult {
   CapturedFragments fragments;
 };
 
+// The same on the CPU, from the fragments of raster.h: the oracle of all techniques. Colours are not rounded on the
+// way, as fragments on the device are (8 bits a channel, gamma 2); CaptureStats has fragments, captured, coplanar,
+// pixels and milliseconds. Throws as Renderer::draw does for effects.
+RenderResult draw_reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options);
+
 // A device with one scene on it. Not to be used from several threads at once.
 class Renderer {
  public:

@@ -21,11 +21,21 @@ namespace pellucid {
 // which order errors show best.
 enum class Shading { lit, depth };
 
+// Linear RGB, and the opacity of a sheet seen head-on.
+struct SurfaceLook {
+  Vec3f color{0.09F, 0.34F, 0.68F};
+  double alpha = 0.5;
+};
+
 struct ShadingOptions {
   Shading shading = Shading::lit;
   double alpha = 0.5;
   Vec3f color{0.09F, 0.34F, 0.68F};  // linear RGB of the surface
   Vec3f background{1, 1, 1};
+  // Surfaces that differ, with Shading::lit: the look of every triangle, an index into `looks`. Empty: all have
+  // the colour and alpha above.
+  std::vector<SurfaceLook> looks{};
+  std::vector<std::uint32_t> triangle_looks{};
 };
 
 // A fragment with its linear colour and opacity, not premultiplied.
@@ -64,7 +74,7 @@ class FragmentShader {
   std::vector<Vec3f> computed_normals_;
   std::span<const Vec3f> normals_;
   Vec3d fill_light_;
-  double log2_transmittance_;  // of a sheet seen head-on
+  std::vector<double> log2_transmittances_;  // of every look, seen head-on
   std::array<Vec3d, 5> ramp_;
 };
 

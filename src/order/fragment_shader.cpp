@@ -51,7 +51,9 @@ double linear_from_srgb(double encoded) {
 }
 
 FragmentShader::FragmentShader(const Mesh& mesh, const Camera& camera, const ShadingOptions& options)
-    : mesh_(mesh), camera_(camera), options_(options), log2_transmittance_(std::log2(1 - options.alpha)) {
+    : mesh_(mesh), camera_(camera), options_(options) {
+  if (options_.looks.empty()) options_.looks.push_back({options_.color, options_.alpha});
+  for (const SurfaceLook& look : options_.looks) log2_transmittances_.push_back(std::log2(1 - look.alpha));
   const bool lit = options.shading == Shading::lit;
   if (lit && mesh.normals.size() != mesh.positions.size()) computed_normals_ = vertex_normals(mesh);
   normals_ = computed_normals_.empty() ? std::span(mesh.normals) : std::span(computed_normals_);
@@ -126,8 +128,10 @@ ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node) const {
 
   const double diffuse = kAmbient + kHeadlight * facing + kFill * fill;
   const double gloss = kHighlight * to_the_48th(highlight);
-  const double alpha = 1 - std::exp2(log2_transmittance_ / std::max(facing, kGrazingCosine));
-  return {to_double(options_.color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha, node};
+  const std::uint32_t triangle = triangle_of(node);
+  const std::uint32_t look = options_.triangle_looks.empty() ? 0 : options_.triangle_looks[triangle];
+  const double alpha = 1 - std::exp2(log2_transmittances_[look] / std::max(facing, kGrazingCosine));
+  return {to_double(options_.looks[look].color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha, node};
 }
 
 ShadedFragment FragmentShader::shade_depth(const Fragment& fragment) const {

@@ -1,6 +1,8 @@
 // Names of effects: see effects.h.
 #include "effects.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <limits>
 
@@ -20,10 +22,14 @@ std::span<const NamedEffect> render_effects() {
 
 namespace render {
 
-std::uint32_t most_objects(Effect effect) {
-  if (effect == Effect::csg) return 32;
-  if (effect == Effect::self_collision) return 8;
-  return std::numeric_limits<std::uint32_t>::max();
+void check_effect(Effect effect, std::size_t objects) {
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  if (effect == Effect::csg) most = 32;
+  if (effect == Effect::self_collision) most = 8;
+  if (objects <= most) return;
+  throw Error(ErrorKind::bad_argument,
+              fmt::format("--effect {}: at most {} objects can be told apart, the scene has {}",
+                          render_effects()[static_cast<std::size_t>(effect)].name, most, objects));
 }
 
 }  // namespace render

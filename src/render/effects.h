@@ -1,11 +1,13 @@
 // effects.h - the effects' numbers are those of shaders/resolve/effects.glsl.
 #pragma once
 
+#include <cstddef>
+
 #include "pellucid/render.h"
 
 namespace pellucid::render {
 
-// Objects that the state of an effect has room for.
-std::uint32_t most_objects(Effect effect);
+// Throws Error{bad_argument} where the state of an effect has no room for so many objects.
+void check_effect(Effect effect, std::size_t objects);
 
 }  // namespace pellucid::render

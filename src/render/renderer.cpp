@@ -332,12 +332,7 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
                                                      device.max_side, camera.width, camera.height));
   }
   if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
-  if (objects > render::most_objects(options.effect)) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--effect {}: at most {} objects can be told apart, the scene has {}",
-                            render_effects()[static_cast<std::size_t>(options.effect)].name,
-                            render::most_objects(options.effect), objects));
-  }
+  render::check_effect(options.effect, objects);
 }
 
 }  // namespace

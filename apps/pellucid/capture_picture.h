@@ -1,0 +1,26 @@
+// One picture by a capture technique and an effect: what `render` does beyond comparing orders.
+#pragma once
+
+#include <string>
+
+#include "pellucid/metric.h"
+#include "render_scene.h"
+#include "session.h"
+
+namespace pellucid::cli {
+
+struct CapturePicture {
+  std::string input, output, camera_text;
+  RenderOptions options;
+  DeviceOptions device;
+  Surfaces surfaces = Surfaces::uniform;
+  SurfaceLook look;
+  std::uint32_t width = 0, height = 0;
+};
+
+void render_capture(const CapturePicture& picture, Session& session);
+
+// Linear colours as a picture in sRGB.
+Image to_image(const RenderResult& result);
+
+}  // namespace pellucid::cli

@@ -1,0 +1,34 @@
+// Renderer in a build without Vulkan: there, and says that it cannot draw.
+#include "pellucid/render.h"
+
+namespace pellucid {
+
+struct Renderer::Implementation {
+  DeviceInfo info;
+};
+
+Renderer::Renderer(const DeviceOptions& /*options*/) {
+  throw Error(ErrorKind::bad_argument, "pellucid was built without Vulkan: there is only --technique cpu");
+}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+const DeviceInfo& Renderer::info() const {
+  return implementation_->info;
+}
+void Renderer::load(const RenderScene& /*scene*/) {}
+RenderResult Renderer::draw(const Camera& /*camera*/, const RenderOptions& /*options*/, Progress* /*progress*/) {
+  return {};
+}
+std::vector<std::string> Renderer::validation_messages() const {
+  return {};
+}
+
+std::span<const TechniqueInfo> render_techniques() {
+  return {};
+}
+std::string missing_for(const TechniqueInfo& /*technique*/, const DeviceInfo& /*device*/) {
+  return "";
+}
+
+}  // namespace pellucid

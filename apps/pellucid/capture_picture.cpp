@@ -67,6 +67,16 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
           {"peak_rss_bytes", peak_rss_bytes()}};
 }
 
+double median_of_more(const CapturePicture& picture, const Camera& camera, Renderer& renderer, const Session& session) {
+  std::vector<double> milliseconds;
+  for (std::uint32_t frame = 1; frame < picture.frames; ++frame) {
+    milliseconds.push_back(renderer.draw(camera, picture.options, session.progress()).stats.milliseconds);
+    stop_if_signalled();
+  }
+  std::sort(milliseconds.begin(), milliseconds.end());
+  return milliseconds[milliseconds.size() / 2];
+}
+
 }  // namespace
 
 Image to_image(const RenderResult& result) {
@@ -101,6 +111,7 @@ void render_capture(const CapturePicture& picture, Session& session) {
   } else {
     renderer->load(drawn);
     result = renderer->draw(camera, picture.options, session.progress());
+    if (picture.frames > 1) result.stats.milliseconds = median_of_more(picture, camera, *renderer, session);
     for (const std::string& message : renderer->validation_messages()) session.note(message);
   }
   stop_if_signalled();

@@ -16,6 +16,7 @@ struct CapturePicture {
   Surfaces surfaces = Surfaces::uniform;
   SurfaceLook look;
   std::uint32_t width = 0, height = 0;
+  std::uint32_t frames = 1;  // drawn; the time is the median of all but the first, in which drivers compile
 };
 
 void render_capture(const CapturePicture& picture, Session& session);

@@ -170,6 +170,12 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(1, 64))
       ->type_name("N")
       ->capture_default_str();
+  command->add_option("--frames", o.capture.frames, "Draw so often: the time is the median of all but the first")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--plain-resolve", o.capture.options.plain_resolve,
+                    "Sort as is common, by insertion into a local array of 128: to measure against");
   command->add_option("--device", o.capture.device.device, "Vulkan device, by a part of its name")->type_name("NAME");
   command->add_flag("--validate", o.capture.device.validate, "Draw under Vulkan's validation layers");
   add_choice(*command, "--order", o.picture,

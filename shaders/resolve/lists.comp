@@ -14,10 +14,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
 shared uint captured_sum, coplanar_sum, coplanar_pixels_sum;
 
-float z[ROOM];
-uint id[ROOM];
-uint color[ROOM];
-
 State state;
 uint folded = 0u;
 uint coplanar = 0u;
@@ -36,18 +32,14 @@ void fold(uint pixel, float fz, uint fid, uint fcolor) {
   done = done || effect_is_done(state);
 }
 
-void clear_room() {
-  for (uint i = 0u; i < ROOM; ++i) {
-    z[i] = 2.0;
-    id[i] = kNone;
-    color[i] = 0u;
-  }
-}
+#define ROOM_ARRAYS float z[ROOM]; uint id[ROOM]; uint color[ROOM];
+#define CLEAR_ROOM for (uint i = 0u; i < ROOM; ++i) { z[i] = 2.0; id[i] = kNone; color[i] = 0u; }
 
 #if defined(LONG)
 // A driver may end all loops of an invocation after a number of turns (65,535 on lavapipe): push.p0 says how many there
 // may be; what is not reached is the farthest, and is counted.
 void fold_bucket(uint pixel, uint bucket) {
+  ROOM_ARRAYS
   const uint count = stored_in(pixel, bucket);
   uint turns = 2u * count;
   uint left = count;
@@ -60,7 +52,7 @@ void fold_bucket(uint pixel, uint bucket) {
     turns += count + 2u * ROOM;
     const float from_z = last_z;
     const uint from_id = last_id;
-    clear_room();
+    CLEAR_ROOM
     Cursor cursor = first_of(pixel, bucket);
     Fragment f;
     while (next(cursor, f)) {
@@ -78,6 +70,7 @@ void fold_bucket(uint pixel, uint bucket) {
 }
 #elif defined(PLAIN)
 void fold_bucket(uint pixel, uint bucket) {
+  ROOM_ARRAYS
   uint count = 0u;
   Cursor cursor = first_of(pixel, bucket);
   Fragment f;
@@ -96,20 +89,25 @@ void fold_bucket(uint pixel, uint bucket) {
 }
 #else
 void fold_bucket(uint pixel, uint bucket) {
-  clear_room();
+  ROOM_ARRAYS
+  CLEAR_ROOM
   Cursor cursor = first_of(pixel, bucket);
   Fragment f;
 #define LOAD(i) if (next(cursor, f)) { z[i] = f.z; id[i] = f.id; color[i] = f.color; }
 #define LOAD_4(i) LOAD(i) LOAD(i + 1) LOAD(i + 2) LOAD(i + 3)
-#define FOLD(i) if (id[i] != kNone) fold(pixel, z[i], id[i], color[i]);
-#define FOLD_4(i) FOLD(i) FOLD(i + 1) FOLD(i + 2) FOLD(i + 3)
+#define STORE(i) sorted[i] = uvec3(floatBitsToUint(z[i]), id[i], color[i]);
+#define STORE_4(i) STORE(i) STORE(i + 1) STORE(i + 2) STORE(i + 3)
+  uvec3 sorted[ROOM];  // folded in a loop: the effect's code is there once, and z, id and color stay in registers
 #if ROOM == 4
-  LOAD_4(0) SORT_4 FOLD_4(0)
+  LOAD_4(0) SORT_4 STORE_4(0)
 #elif ROOM == 8
-  LOAD_4(0) LOAD_4(4) SORT_8 FOLD_4(0) FOLD_4(4)
+  LOAD_4(0) LOAD_4(4) SORT_8 STORE_4(0) STORE_4(4)
 #else
-  LOAD_4(0) LOAD_4(4) LOAD_4(8) LOAD_4(12) SORT_16 FOLD_4(0) FOLD_4(4) FOLD_4(8) FOLD_4(12)
+  LOAD_4(0) LOAD_4(4) LOAD_4(8) LOAD_4(12) SORT_16 STORE_4(0) STORE_4(4) STORE_4(8) STORE_4(12)
 #endif
+  for (uint i = 0u; i < ROOM && sorted[i].y != kNone; ++i) {
+    fold(pixel, uintBitsToFloat(sorted[i].x), sorted[i].y, sorted[i].z);
+  }
 }
 #endif
 

@@ -3,14 +3,12 @@
 // is left, so that parts that only touch do not collide; the nearest colour, bit 31: a collision was found.
 State self_collision_init() { return State(vec4(0.0), uvec4(0u, 0u, kNone, 0u)); }
 
+// All objects at once: nibbles do not overflow unless something is inside of itself 15 times.
 void self_collision_close(inout State s) {
-  for (uint object = 0u; object < 8u; ++object) {
-    const uint entered = bitfieldExtract(s.word.y, int(4u * object), 4);
-    if (entered == 0u) continue;
-    const uint inside = bitfieldExtract(s.word.x, int(4u * object), 4);
-    if (inside + entered >= 2u) s.word.w |= 0x80000000u;
-    s.word.x = bitfieldInsert(s.word.x, min(inside + entered, 15u), int(4u * object), 4);
-  }
+  const uint entered = s.word.y;
+  const uint some = (entered | entered >> 1 | entered >> 2 | entered >> 3) & 0x11111111u;
+  s.word.x += entered;
+  if ((s.word.x & 0xEEEEEEEEu & (some * 15u)) != 0u) s.word.w |= 0x80000000u;
   s.word.y = 0u;
 }
 
@@ -19,11 +17,11 @@ void self_collision_fold(inout State s, Fragment f, bool enters, bool nearest) {
     self_collision_close(s);
     s.word.z = floatBitsToUint(f.z);
   }
-  const int shift = int(4u * object_of(f.id));
+  const uint shift = 4u * object_of(f.id);
   if (enters) {
-    s.word.y = bitfieldInsert(s.word.y, min(bitfieldExtract(s.word.y, shift, 4) + 1u, 15u), shift, 4);
-  } else if (bitfieldExtract(s.word.x, shift, 4) > 0u) {
-    s.word.x = bitfieldInsert(s.word.x, bitfieldExtract(s.word.x, shift, 4) - 1u, shift, 4);
+    s.word.y += 1u << shift;
+  } else if (((s.word.x >> shift) & 15u) != 0u) {
+    s.word.x -= 1u << shift;
   }
   if (nearest) s.word.w = (s.word.w & 0x80000000u) | 0x40000000u | (f.color & 0x00FFFFFFu);
 }

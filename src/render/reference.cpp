@@ -152,7 +152,7 @@ double Reference::view_distance(double depth) const {
 Vec3d Reference::thickness(std::span<const Fragment> fragments) const {
   double sum = 0;
   for (const Fragment& f : fragments) {
-    const double d = view_distance(double{f.depth});
+    const double d = view_distance(double{f.depth}) - camera_.near_plane;
     sum += (f.node & 1U) != 0 ? d : -d;
   }
   const double share = std::max(sum / (camera_.far_plane - camera_.near_plane), 0.0);

@@ -1,6 +1,7 @@
 #include "render_helpers.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 
@@ -69,6 +70,22 @@ RenderScene coplanar_squares(std::uint32_t copies, float depth) {
     scene.surfaces.push_back({.color = {0.1F * static_cast<float>(i % 10), 0.4F, 0.6F}, .alpha = 0.3F});
     add_triangle(scene, {0, 0, depth}, {1, 1, depth}, {1, 0, depth});
     add_triangle(scene, {0, 0, depth}, {0, 1, depth}, {1, 1, depth});
+  }
+  return scene;
+}
+
+RenderScene box(const Vec3f& low, const Vec3f& high) {
+  RenderScene scene;
+  scene.surfaces.push_back({.color = {0.5F, 0.4F, 0.2F}, .alpha = 0.4F});
+  const auto corner = [&](unsigned bits) {
+    return Vec3f{(bits & 1U) != 0 ? high.x : low.x, (bits & 2U) != 0 ? high.y : low.y, (bits & 4U) != 0 ? high.z : low.z};
+  };
+  // Counter-clockwise from outside: left, right, bottom, top, far (-z), near (+z).
+  constexpr std::array<std::array<unsigned, 4>, 6> kFaces{
+      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  for (const auto& f : kFaces) {
+    add_triangle(scene, corner(f[0]), corner(f[1]), corner(f[2]));
+    add_triangle(scene, corner(f[0]), corner(f[2]), corner(f[3]));
   }
   return scene;
 }

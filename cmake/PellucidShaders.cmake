@@ -2,7 +2,17 @@
 # A shader that is compiled in several forms is listed once for each.
 set(PELLUCID_SHADERS
   "interface/scene.vert|interface/scene.vert|"
+  "interface/layered.vert|interface/layered.vert|"
   "capture/bounds.frag|capture/bounds.frag|"
+  "capture/clear_keys.comp|capture/clear_keys.comp|"
+  "capture/depth_bins.frag|capture/depth_bins.frag|"
+  "capture/divide_bins.comp|capture/divide_bins.comp|"
+  "capture/nearest_colors.frag|capture/nearest_colors.frag|"
+  "capture/nearest_keys.frag|capture/nearest_keys.frag|"
+  "capture/pair_colors.frag|capture/pair_colors.frag|"
+  "capture/pair_keys.frag|capture/pair_keys.frag|"
+  "capture/route_layers.frag|capture/route_layers.frag|"
+  "resolve/keys.comp|resolve/keys.comp|"
   "capture/clear_bounds.comp|capture/clear_bounds.comp|"
   "capture/count.frag|capture/count.frag|"
   "capture/fill_arrays.frag|capture/fill_arrays.frag|"
@@ -10,7 +20,7 @@ set(PELLUCID_SHADERS
   "capture/fill_ranges.frag|capture/fill_ranges.frag|"
   "capture/offsets.comp|capture/offsets.comp|"
   "resolve/clear_tiles.comp|resolve/clear_tiles.comp|")
-foreach(storage ranges lists arrays)
+foreach(storage ranges lists arrays layers)
   string(TOUPPER ${storage} define)
   list(APPEND PELLUCID_SHADERS "resolve/classify_${storage}.comp|resolve/classify.comp|${define}")
   foreach(room 4 8 16)

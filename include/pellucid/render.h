@@ -82,6 +82,7 @@ struct TechniqueInfo {
   std::string title;  // "front-to-back peeling, two coplanar fragments a round"
   std::string paper;  // where it is from
   bool exact = true;  // captures every fragment, also coplanar ones, given enough memory
+  bool order_free = true;  // captures the same fragments in whatever sequence they are drawn
   std::string captures;         // in words, where it is not exact
   std::string passes_formula;   // D: depth layers; C: fragments of a layer; N: fragments of a pixel
   std::string bytes_formula;    // of a pixel

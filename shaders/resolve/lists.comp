@@ -5,6 +5,7 @@
 #include "storage.glsl"
 #include "effects.glsl"
 #include "sort.glsl"
+#include "tally.glsl"
 #include "tiles.glsl"
 // Sort the fragments of a pixel by (z, id) and fold them: one workgroup a tile, one invocation a pixel. Compiled for
 // each class of tiles: lists of at most ROOM fragments are sorted by a network in registers; LONG ones give their
@@ -12,8 +13,6 @@
 // sort of a local array of ROOM, whatever the length.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
-shared uint captured_sum, coplanar_sum, coplanar_pixels_sum;
-
 State state;
 uint folded = 0u;
 uint coplanar = 0u;
@@ -112,12 +111,7 @@ void fold_bucket(uint pixel, uint bucket) {
 #endif
 
 void main() {
-  if (gl_LocalInvocationIndex == 0u) {
-    captured_sum = 0u;
-    coplanar_sum = 0u;
-    coplanar_pixels_sum = 0u;
-  }
-  barrier();
+  begin_tally();
   const uvec2 tiles_across = (frame.size + 7u) / 8u;
   const uint tile = tile_at(push.p1, gl_WorkGroupID.x, tiles_across.x * tiles_across.y);
   const uvec2 pixel = uvec2(tile % tiles_across.x, tile / tiles_across.x) * 8u + gl_LocalInvocationID.xy;
@@ -126,17 +120,7 @@ void main() {
     state = effect_init();
     for (uint bucket = 0u; bucket < bucket_count(); ++bucket) fold_bucket(index, bucket);
     picture[index] = effect_finish(state);
-    if (folded > 0u) atomicAdd(captured_sum, folded);
-    if (coplanar > 0u) {
-      atomicAdd(coplanar_sum, coplanar);
-      atomicAdd(coplanar_pixels_sum, 1u);
-    }
+    tally(folded, coplanar, true);
   }
-  barrier();
-  if (gl_LocalInvocationIndex != 0u) return;
-  if (captured_sum > 0u) atomicAdd(counters.captured, captured_sum);
-  if (coplanar_sum > 0u) {
-    atomicAdd(counters.coplanar, coplanar_sum);
-    atomicAdd(counters.coplanar_pixels, coplanar_pixels_sum);
-  }
+  end_tally();
 }

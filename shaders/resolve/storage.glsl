@@ -1,5 +1,5 @@
 // Where a buffer technique left the fragments of a pixel: RANGES (S-buffer), LISTS (linked lists, perhaps in buckets)
-// or ARRAYS (fixed size). A Cursor runs over them in no particular sequence.
+// ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular sequence.
 #if defined(RANGES)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Ends { uint ends[]; };
@@ -11,6 +11,11 @@ layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };
 uint stored_begin(uint pixel) { return pixel * kK; }
 uint stored_count(uint pixel) { return min(counts[pixel], kK); }
+#elif defined(LAYERS)
+layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray node_layers;
+uvec4 layer_node(uint pixel, uint layer) {
+  return texelFetch(node_layers, ivec3(pixel % frame.size.x, pixel / frame.size.x, layer), 0);
+}
 #else
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Heads { uint heads[]; };
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uvec4 nodes[]; };
@@ -35,6 +40,25 @@ uint stored_in(uint pixel, uint bucket) {
   return count;
 }
 uint bucket_count() { return kK; }
+#elif defined(LAYERS)
+struct Cursor {
+  uint pixel, layer;
+};
+Cursor first_of(uint pixel, uint bucket) { return Cursor(pixel, 0u); }
+bool next(inout Cursor cursor, out Fragment f) {
+  if (cursor.layer == kK) return false;
+  const uvec4 node = layer_node(cursor.pixel, cursor.layer);
+  if (node.y == 0u) return false;
+  f = Fragment(uintBitsToFloat(node.x), node.y, node.z);
+  ++cursor.layer;
+  return true;
+}
+uint stored_in(uint pixel, uint bucket) {
+  uint count = 0u;
+  while (count < kK && layer_node(pixel, count).y != 0u) ++count;
+  return count;
+}
+uint bucket_count() { return 1u; }
 #else
 struct Cursor {
   uint node, end;

@@ -48,6 +48,24 @@ class Capture : public ::testing::TestWithParam<std::string> {
       }
     }
     EXPECT_EQ(wrong, 0U);
+    if (all) expect_coplanar_counts(oracle, result.stats);
+  }
+  static void expect_coplanar_counts(const FragmentBuffer& oracle, const CaptureStats& stats) {
+    std::uint64_t fragments = 0;
+    std::uint64_t pixels = 0;
+    for (std::size_t p = 0; p + 1 < oracle.offsets.size(); ++p) {
+      std::uint64_t here = 0;
+      const auto list = oracle.pixel(p);
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        const bool shared = (i > 0 && list[i].depth == list[i - 1].depth) ||
+                            (i + 1 < list.size() && list[i].depth == list[i + 1].depth);
+        here += shared ? 1U : 0U;
+      }
+      fragments += here;
+      pixels += here > 0 ? 1U : 0U;
+    }
+    EXPECT_EQ(stats.coplanar, fragments);
+    EXPECT_EQ(stats.coplanar_pixels, pixels);
   }
   static bool agrees(std::vector<Fragment> captured, std::span<const Fragment> expected, bool all) {
     const auto key = [](const Fragment& f) { return std::make_pair(f.depth, f.node); };
@@ -108,7 +126,7 @@ TEST_P(Capture, DeepPixels) {
 
 // What is drawn does not depend on the sequence in which it is drawn.
 TEST_P(Capture, ShuffledTrianglesGiveTheSamePicture) {
-  if (!info_.exact) GTEST_SKIP() << "not exact";
+  if (!info_.order_free) GTEST_SKIP() << "captures what is drawn first";
   RenderScene scene = testing::random_stack(5, 80);
   const Camera camera = testing::unit_camera(48, 48);
   const RenderResult straight = draw(scene, camera);
@@ -117,6 +135,93 @@ TEST_P(Capture, ShuffledTrianglesGiveTheSamePicture) {
   for (std::size_t i = scene.sequence.size(); i > 1; --i) std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
   const RenderResult shuffled = draw(scene, camera);
   EXPECT_EQ(straight.pixels, shuffled.pixels);
+}
+
+// ----------------------------------------------------------------- what the techniques keep that do not keep all
+
+class Bounded : public ::testing::Test {
+ protected:
+  void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
+  // Calls `expect(captured, of all)` for every pixel of a stack.
+  template <class Expect>
+  static void for_pixels(const std::string& technique, std::uint32_t k, const Expect& expect) {
+    RenderOptions options;
+    options.technique = technique;
+    options.k = k;
+    options.keep_fragments = true;
+    const RenderScene scene = testing::random_stack(21, 70);
+    const Camera camera = testing::unit_camera(48, 48);
+    testing::test_renderer().load(scene);
+    const RenderResult result = testing::test_renderer().draw(camera, options);
+    const FragmentBuffer oracle = testing::cpu_fragments(scene, camera);
+    for (std::size_t p = 0; p + 1 < oracle.offsets.size(); ++p) {
+      expect(testing::pixel_of(result.fragments, p), oracle.pixel(p));
+    }
+  }
+};
+
+bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Fragment& f, const Fragment& g) { return f.depth == g.depth && f.node == g.node; });
+}
+
+TEST_F(Bounded, KBufferKeepsTheNearest) {
+  for (const std::uint32_t k : {1U, 3U, 8U}) {
+    for_pixels("kb", k, [&](std::span<const Fragment> captured, std::span<const Fragment> all) {
+      EXPECT_TRUE(same_fragments(captured, all.first(std::min<std::size_t>(k, all.size()))));
+    });
+  }
+}
+
+TEST_F(Bounded, ArraysAndLayersKeepSoManyAsTheyHavePlacesFor) {
+  for (const char* technique : {"fab", "srab"}) {
+    for_pixels(technique, 3, [&](std::span<const Fragment> captured, std::span<const Fragment> all) {
+      EXPECT_EQ(captured.size(), std::min<std::size_t>(3, all.size())) << technique;
+    });
+  }
+}
+
+// The nearest and the farthest are those of the first and the last bucket; with one bucket there are no others.
+TEST_F(Bounded, BucketsKeepTheirEnds) {
+  for (const char* technique : {"bun", "bad"}) {
+    for_pixels(technique, 1, [&](std::span<const Fragment> captured, std::span<const Fragment> all) {
+      ASSERT_EQ(captured.size(), std::min<std::size_t>(2, all.size())) << technique;
+      if (all.empty()) return;
+      EXPECT_EQ(captured.front().node, all.front().node);
+      EXPECT_EQ(captured.back().node, all.back().node);
+    });
+    for_pixels(technique, 4, [&](std::span<const Fragment> captured, std::span<const Fragment> all) {
+      EXPECT_LE(captured.size(), 8U) << technique;
+      EXPECT_GE(captured.size(), std::min<std::size_t>(2, all.size())) << technique;
+    });
+  }
+}
+
+// Buckets that adapt to where fragments are keep more of them than uniform ones where they are not spread evenly.
+TEST_F(Bounded, AdaptiveBucketsKeepAllDistinctDepthsOfAPixelWithFewOfThem) {
+  RenderScene scene = testing::coplanar_squares(1, 0);
+  for (const float depth : {0.5F, 0.50390625F, 0.5078125F, 0.51171875F, 0.515625F, 1.0F}) {
+    scene = testing::joined(scene, testing::coplanar_squares(1, depth));
+  }
+  RenderOptions options;
+  options.k = 4;
+  testing::test_renderer().load(scene);
+  options.technique = "bad";
+  EXPECT_EQ(testing::test_renderer().draw(testing::unit_camera(8, 8), options).stats.captured_share(), 1.0);
+  options.technique = "bun";
+  EXPECT_LT(testing::test_renderer().draw(testing::unit_camera(8, 8), options).stats.captured_share(), 1.0);
+}
+
+TEST_F(Bounded, PoolThatIsTooSmallIsToldOf) {
+  testing::test_renderer().load(testing::random_stack(22, 60));
+  for (const char* technique : {"sb", "ll", "bun-ll"}) {
+    RenderOptions options;
+    options.technique = technique;
+    options.pool = 100;
+    const CaptureStats stats = testing::test_renderer().draw(testing::unit_camera(32, 32), options).stats;
+    EXPECT_EQ(stats.captured, 100U) << technique;
+    EXPECT_EQ(stats.captured + stats.overflowed, stats.fragments) << technique;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Capture, ::testing::ValuesIn(technique_names()), [](const auto& parameter) {

@@ -1,4 +1,4 @@
-// buffer_techniques.h - techniques that store all fragments at once and sort them afterwards.
+// buffer_techniques.h - techniques that store many fragments of a pixel at once.
 #pragma once
 
 #include <algorithm>
@@ -11,5 +11,10 @@ TechniqueEntry linked_lists();
 TechniqueEntry bucketed_lists();
 TechniqueEntry s_buffer();
 TechniqueEntry fixed_arrays();
+TechniqueEntry k_buffer();
+TechniqueEntry multi_k_buffer();
+TechniqueEntry stencil_routing();
+TechniqueEntry uniform_buckets();
+TechniqueEntry adaptive_buckets();
 
 }  // namespace pellucid::render

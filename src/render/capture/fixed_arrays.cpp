@@ -38,6 +38,7 @@ TechniqueEntry fixed_arrays() {
            .title = "an array of k fragments for every pixel",
            .paper = "Crassin 2010",
            .exact = false,
+           .order_free = false,
            .captures = "of a pixel with more than k fragments, those drawn first",
            .passes_formula = "1",
            .bytes_formula = "12 K + 4"},

@@ -5,7 +5,8 @@ namespace pellucid::render {
 
 const std::vector<TechniqueEntry>& technique_entries() {
   static const std::vector<TechniqueEntry> entries{
-      bucketed_lists(), fixed_arrays(), linked_lists(), s_buffer(),
+      k_buffer(),         multi_k_buffer(), stencil_routing(), uniform_buckets(), bucketed_lists(),
+      adaptive_buckets(), fixed_arrays(),   linked_lists(),    s_buffer(),
   };
   return entries;
 }

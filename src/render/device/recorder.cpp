@@ -1,7 +1,9 @@
 // Recording: see recorder.h.
 #include "recorder.h"
 
-#include "../gpu_scene.h"
+#include <cstddef>
+
+#include "../frame.h"
 
 namespace pellucid::render {
 
@@ -52,9 +54,8 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t word) {
   vkCmdFillBuffer(commands_, buffer.get(), 0, VK_WHOLE_SIZE, word);
 }
 
-void Recorder::copy(const Buffer& from, const Buffer& to) {
-  const VkBufferCopy region{.srcOffset = 0, .dstOffset = 0, .size = std::min(from.bytes(), to.bytes())};
-  vkCmdCopyBuffer(commands_, from.get(), to.get(), 1, &region);
+void Recorder::reset_active_pixels(const Buffer& counters) {
+  vkCmdFillBuffer(commands_, counters.get(), offsetof(Counters, active_pixels), sizeof(Counters::active_pixels), 0);
 }
 
 void Recorder::push_state(VkPipelineBindPoint point) {
@@ -77,6 +78,15 @@ void Recorder::push_state(VkPipelineBindPoint point) {
     write.pImageInfo = &images_.at(slot - kFirstImageSlot);
   }
   context_.push_descriptors()(commands_, point, context_.pipeline_layout(), 0, count, writes.data());
+}
+
+void Recorder::number_stencils(const VkRect2D& area, std::uint32_t layers) {
+  for (std::uint32_t layer = 0; layer < layers; ++layer) {
+    VkClearAttachment clear{.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT};
+    clear.clearValue.depthStencil.stencil = layer + 2;
+    const VkClearRect rectangle{.rect = area, .baseArrayLayer = layer, .layerCount = 1};
+    vkCmdClearAttachments(commands_, 1, &clear, 1, &rectangle);
+  }
 }
 
 void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments) {
@@ -102,11 +112,13 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
   const VkRect2D area{.offset = {0, 0}, .extent = {attachments.width, attachments.height}};
   const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                   .renderArea = area,
-                                  .layerCount = 1,
+                                  .layerCount = attachments.layers,
                                   .colorAttachmentCount = static_cast<std::uint32_t>(colors.size()),
                                   .pColorAttachments = colors.data(),
-                                  .pDepthAttachment = attachments.depth != nullptr ? &depth : nullptr};
+                                  .pDepthAttachment = attachments.depth != nullptr ? &depth : nullptr,
+                                  .pStencilAttachment = attachments.layers > 1 ? &depth : nullptr};
   vkCmdBeginRendering(commands_, &rendering);
+  if (attachments.layers > 1) number_stencils(area, attachments.layers);
   // A band is a window on the whole picture: moved by whole pixels, nothing rasterises differently.
   const VkViewport viewport{.x = 0,
                             .y = -static_cast<float>(attachments.first_row),
@@ -128,7 +140,7 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
     vkCmdPushConstants(commands_, context_.pipeline_layout(),
                        VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        sizeof push_, &push_);
-    vkCmdDrawIndexed(commands_, 3 * range.triangles, 1, 3 * range.first_triangle, 0, 0);
+    vkCmdDrawIndexed(commands_, 3 * range.triangles, attachments.layers, 3 * range.first_triangle, 0, 0);
   }
   vkCmdEndRendering(commands_);
 }

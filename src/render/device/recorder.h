@@ -37,6 +37,7 @@ struct Attachments {
   std::uint32_t width = 0, height = 0;     // of the pass
   std::int32_t first_row = 0;              // of the band in the picture
   std::uint32_t picture_height = 0;
+  std::uint32_t layers = 1;                // more: one instance to each; stencils start at their layer + 2
 };
 
 class Recorder {
@@ -52,7 +53,8 @@ class Recorder {
   void prepare(const Image& image);
   void barrier();
   void fill(const Buffer& buffer, std::uint32_t word);
-  void copy(const Buffer& from, const Buffer& to);
+  // At the start of a round, before what counts them.
+  void reset_active_pixels(const Buffer& counters);
 
   // One geometry pass: all triangles of the scene.
   void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments);
@@ -68,6 +70,7 @@ class Recorder {
 
  private:
   void push_state(VkPipelineBindPoint point);
+  void number_stencils(const VkRect2D& area, std::uint32_t layers);
 
   Context& context_;
   VkCommandBuffer commands_;

@@ -26,8 +26,10 @@ endfunction()
 # compiled once, for the first program, and the tests' own code has -O1, under sanitizers -O0.
 # Its tests may read files through PELLUCID_TEST_DATA (tests/data) and PELLUCID_MODELS
 # (the optional folder of dev models; a test that needs it skips, and says so, where it is missing).
+# SHARDS n: ctest runs the program n times, each with its share of the tests, instead of once for every test: for
+# programs that take longer to start (a Vulkan driver compiles) than to test.
 function(pellucid_test name)
-  cmake_parse_arguments(TEST "" "" "SOURCES;USES" ${ARGN})
+  cmake_parse_arguments(TEST "" "SHARDS" "SOURCES;USES" ${ARGN})
   add_executable(${name}_test ${TEST_SOURCES})
   target_link_libraries(${name}_test PRIVATE ${TEST_USES} pellucid_defaults GTest::gtest_main GTest::gmock)
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
@@ -44,7 +46,16 @@ function(pellucid_test name)
     target_precompile_headers(${name}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
     set_property(GLOBAL PROPERTY PELLUCID_TEST_HEADERS ${name}_test)
   endif()
-  gtest_discover_tests(${name}_test PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+  if(NOT TEST_SHARDS)
+    gtest_discover_tests(${name}_test PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+    return()
+  endif()
+  math(EXPR last "${TEST_SHARDS} - 1")
+  foreach(shard RANGE ${last})
+    add_test(NAME ${name}_test.${shard} COMMAND ${name}_test)
+    set_tests_properties(${name}_test.${shard} PROPERTIES TIMEOUT 900
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${shard};MESA_SHADER_CACHE_DIR=${CMAKE_BINARY_DIR}/shader_cache")
+  endforeach()
 endfunction()
 
 set(PELLUCID_MODELS "${PROJECT_SOURCE_DIR}/../shared/models" CACHE PATH

@@ -29,15 +29,15 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
   session.print(fmt::format(
       "{}: {}x{}, {} by {} on {}\n{} fragments on {} pixels, at most {}; {} coplanar; captured {}{}\n"
       "{} geometry passes, {}, {:.1f} ms\n",
-      picture.output, picture.width, picture.height, named(picture.options.effect).name, picture.options.technique,
-      device, format_count(stats.fragments), format_count(stats.covered_pixels), stats.deepest_pixel,
-      format_count(stats.coplanar), format_percent(stats.captured_share()),
+      picture.output, picture.width, picture.height, named(picture.options.effect).name,
+      picture.options.technique, device, format_count(stats.fragments), format_count(stats.covered_pixels),
+      stats.deepest_pixel, format_count(stats.coplanar), format_percent(stats.captured_share()),
       stats.overflowed > 0 ? fmt::format(", {} found no place", format_count(stats.overflowed)) : "",
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
 }
 
-nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string& device, const CaptureStats& stats,
-                               std::size_t triangles, double seconds) {
+nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string& device,
+                               const CaptureStats& stats, std::size_t triangles, double seconds) {
   const double pixels = static_cast<double>(picture.width) * picture.height;
   return {{"schema", 1},
           {"version", library_version()},
@@ -67,7 +67,8 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
           {"peak_rss_bytes", peak_rss_bytes()}};
 }
 
-double median_of_more(const CapturePicture& picture, const Camera& camera, Renderer& renderer, const Session& session) {
+double median_of_more(const CapturePicture& picture, const Camera& camera, Renderer& renderer,
+                      const Session& session) {
   std::vector<double> milliseconds;
   for (std::uint32_t frame = 1; frame < picture.frames; ++frame) {
     milliseconds.push_back(renderer.draw(camera, picture.options, session.progress()).stats.milliseconds);
@@ -118,10 +119,9 @@ void render_capture(const CapturePicture& picture, Session& session) {
   write_png(to_image(result), picture.output);
   const std::string device = reference ? std::string(kReference) : renderer->info().name;
   print_result(picture, device, result.stats, session);
-  session.write_json(
-      to_json(picture, device, result.stats, drawn.triangles.size(), watch.seconds())
-          .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-      "\n");
+  session.write_json(to_json(picture, device, result.stats, drawn.triangles.size(), watch.seconds())
+                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                     "\n");
 }
 
 }  // namespace pellucid::cli

@@ -1,5 +1,5 @@
-// pellucid render: one picture of a file: its fragments captured by a technique and folded by an effect, or drawn as
-// one of its orders draws it.
+// pellucid render: one picture of a file: its fragments captured by a technique and folded by an effect, or
+// drawn as one of its orders draws it.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -63,12 +63,13 @@ bool draws_orders(const RenderCommand& options) {
 
 void run_capture(const RenderCommand& options, Session& session) {
   if (options.picture != Picture::exact) {
-    throw Error(ErrorKind::bad_argument,
-                "--order " + options.picture_name + " is drawn with --technique cpu, --effect transparency and "
-                "--surfaces uniform");
+    throw Error(ErrorKind::bad_argument, "--order " + options.picture_name +
+                                             " is drawn with --technique cpu, --effect transparency and "
+                                             "--surfaces uniform");
   }
   if (options.shading.shading != Shading::lit) {
-    throw Error(ErrorKind::bad_argument, "--shading depth is drawn with --technique cpu and --effect transparency");
+    throw Error(ErrorKind::bad_argument,
+                "--shading depth is drawn with --technique cpu and --effect transparency");
   }
   const Size size = parse_size(options.size);
   CapturePicture picture = options.capture;
@@ -141,15 +142,15 @@ void run_render(const RenderCommand& options, Session& session) {
 
 void add_render_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<RenderCommand>();
-  CLI::App* command =
-      add_command(app, chosen, "render", "One picture of a file: all its fragments, folded by an effect",
-                  "  pellucid render goblet.glb -o exact.png\n"
-                  "  pellucid render ordered.glb -o buffers.png --order buffers --camera 120,-10,2.5\n"
-                  "  pellucid render ordered.glb -o wrong.png --order error --size 1024x1024\n"
-                  "  pellucid render bunny.ply -o depth.png --order original --shading depth\n"
-                  "  pellucid render bottles.glb -o all.png --technique sb --surfaces file\n"
-                  "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
-                  1, [options](Session& session) { run_render(*options, session); });
+  CLI::App* command = add_command(
+      app, chosen, "render", "One picture of a file: all its fragments, folded by an effect",
+      "  pellucid render goblet.glb -o exact.png\n"
+      "  pellucid render ordered.glb -o buffers.png --order buffers --camera 120,-10,2.5\n"
+      "  pellucid render ordered.glb -o wrong.png --order error --size 1024x1024\n"
+      "  pellucid render bunny.ply -o depth.png --order original --shading depth\n"
+      "  pellucid render bottles.glb -o all.png --technique sb --surfaces file\n"
+      "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
+      1, [options](Session& session) { run_render(*options, session); });
   RenderCommand& o = *options;
   command->add_option("FILE", o.input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
   command->add_option("-o,--output", o.output, "The PNG to write")->required()->type_name("FILE");
@@ -158,25 +159,31 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->capture_default_str();
   std::vector<std::pair<std::string, Effect>> effects;
   for (const NamedEffect& e : render_effects()) effects.emplace_back(e.name, e.effect);
-  add_choice(*command, "--effect", o.capture.options.effect, effects, "What becomes of them (default transparency)");
+  add_choice(*command, "--effect", o.capture.options.effect, effects,
+             "What becomes of them (default transparency)");
   add_choice(*command, "--csg", o.capture.options.csg,
              {{"union", CsgOperation::union_of_all},
               {"intersection", CsgOperation::intersection},
               {"difference", CsgOperation::difference}},
              "Operation of --effect csg on the file's objects; difference: the first minus all others");
-  add_choice(*command, "--surfaces", o.capture.surfaces, {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
+  add_choice(*command, "--surfaces", o.capture.surfaces,
+             {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
              "uniform: all of one colour (default); file: base colours and alpha modes of the materials");
-  command->add_option("--k", o.capture.options.k, "Fragments a pixel, or buckets, of techniques with a fixed number")
+  command
+      ->add_option("--k", o.capture.options.k,
+                   "Fragments a pixel, or buckets, of techniques with a fixed number")
       ->check(CLI::Range(1, 64))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--frames", o.capture.frames, "Draw so often: the time is the median of all but the first")
+  command
+      ->add_option("--frames", o.capture.frames, "Draw so often: the time is the median of all but the first")
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--plain-resolve", o.capture.options.plain_resolve,
                     "Sort as is common, by insertion into a local array of 128: to measure against");
-  command->add_option("--device", o.capture.device.device, "Vulkan device, by a part of its name")->type_name("NAME");
+  command->add_option("--device", o.capture.device.device, "Vulkan device, by a part of its name")
+      ->type_name("NAME");
   command->add_flag("--validate", o.capture.device.validate, "Draw under Vulkan's validation layers");
   add_choice(*command, "--order", o.picture,
              {{"exact", Picture::exact},

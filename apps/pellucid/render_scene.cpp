@@ -6,8 +6,10 @@
 namespace pellucid::cli {
 namespace {
 
-Surface surface_of(const Model& model, const Primitive& primitive, Surfaces surfaces, const SurfaceLook& look) {
-  if (surfaces == Surfaces::uniform || !is_gltf(model)) return {look.color, static_cast<float>(look.alpha), true};
+Surface surface_of(const Model& model, const Primitive& primitive, Surfaces surfaces,
+                   const SurfaceLook& look) {
+  if (surfaces == Surfaces::uniform || !is_gltf(model))
+    return {look.color, static_cast<float>(look.alpha), true};
   const std::array<float, 4>& c = primitive.base_color;
   // A mask cuts holes by a texture, which is not read: what is left is opaque.
   const float alpha = primitive.alpha_mode == AlphaMode::blend ? c[3] : 1.0F;
@@ -16,7 +18,8 @@ Surface surface_of(const Model& model, const Primitive& primitive, Surfaces surf
 
 }  // namespace
 
-RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces, const SurfaceLook& look) {
+RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces,
+                              const SurfaceLook& look) {
   RenderScene out;
   out.positions = scene.mesh.positions;
   out.normals = scene.mesh.normals;

@@ -13,6 +13,7 @@ enum class Surfaces {
 };
 
 // Every object is one of the Scene's. `look` is that of uniform surfaces, and of formats without materials.
-RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces, const SurfaceLook& look);
+RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces,
+                              const SurfaceLook& look);
 
 }  // namespace pellucid::cli

@@ -1,4 +1,5 @@
-// pellucid techniques: every way of capturing fragments that `render` knows, and what this machine has for it.
+// pellucid techniques: every way of capturing fragments that `render` knows, and what this machine has for
+// it.
 #include <fmt/format.h>
 
 #include <memory>
@@ -59,11 +60,14 @@ void list_techniques(const DeviceOptions& options, Session& session) {
                         t.bytes_formula, t.title, missing.empty() ? "" : " (needs " + missing + ")");
     list.push_back(to_json(t, missing));
   };
-  text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}\n", "name", "exact", "geometry passes", "bytes a pixel", "what");
+  text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}\n", "name", "exact", "geometry passes", "bytes a pixel",
+                      "what");
   add(cpu_technique(), "");
-  for (const TechniqueInfo& t : render_techniques()) add(t, device ? missing_for(t, *device) : "a Vulkan device");
+  for (const TechniqueInfo& t : render_techniques())
+    add(t, device ? missing_for(t, *device) : "a Vulkan device");
   text +=
-      "N fragments of the pixel, D depth layers, C fragments of a layer, K from --k; exact: all of them, coplanar ones too\n";
+      "N fragments of the pixel, D depth layers, C fragments of a layer, K from --k; exact: all of them, "
+      "coplanar ones too\n";
   session.print(text);
   const nlohmann::ordered_json json = {{"schema", 1},
                                        {"version", library_version()},

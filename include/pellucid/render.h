@@ -1,14 +1,16 @@
-// pellucid/render.h - room `render`: all fragments of a pixel on the GPU, by every technique of the depth-fighting
-// paper, and what becomes of them.
+// pellucid/render.h - room `render`: all fragments of a pixel on the GPU, by every technique of the
+// depth-fighting paper, and what becomes of them.
 //
-// In: triangles in world space with their objects and surfaces, a camera, the name of a capture technique and an
-// effect. Out: a picture and what was captured, counted, not claimed. A capture technique delivers, for every pixel,
-// fragments in the order (depth, id), each once: all of them (exact) or a documented part; an effect folds that
-// sequence. Paper: Vasilakis, Fudos, "Depth-Fighting Aware Methods for Multi-Fragment Rendering", TVCG 2014.
+// In: triangles in world space with their objects and surfaces, a camera, the name of a capture technique and
+// an effect. Out: a picture and what was captured, counted, not claimed. A capture technique delivers, for
+// every pixel, fragments in the order (depth, id), each once: all of them (exact) or a documented part; an
+// effect folds that sequence. Paper: Vasilakis, Fudos, "Depth-Fighting Aware Methods for Multi-Fragment
+// Rendering", TVCG 2014.
 //
-// Conventions: depth 0..1 forward, near to far, 32-bit float (raster.h has the formula); back faces are drawn where a
-// surface is double-sided; fragment ids as in raster.h (NodeId: 2 * triangle + (1: back face)). Fragments of equal
-// depth come in the order of their ids, so pictures do not depend on the sequence of drawing.
+// Conventions: depth 0..1 forward, near to far, 32-bit float (raster.h has the formula); back faces are drawn
+// where a surface is double-sided; fragment ids as in raster.h (NodeId: 2 * triangle + (1: back face)).
+// Fragments of equal depth come in the order of their ids, so pictures do not depend on the sequence of
+// drawing.
 #pragma once
 
 #include <cstdint>
@@ -69,7 +71,11 @@ enum class Effect {
   complexity,      // how many fragments a pixel has
   thickness,       // how much of closed solids light has to go through
 };
-enum class CsgOperation { union_of_all, intersection, difference };  // difference: the first object minus all others
+enum class CsgOperation {
+  union_of_all,
+  intersection,
+  difference
+};  // difference: the first object minus all others
 
 struct NamedEffect {
   Effect effect;
@@ -78,14 +84,14 @@ struct NamedEffect {
 std::span<const NamedEffect> render_effects();
 
 struct TechniqueInfo {
-  std::string name;   // "f2b-2p"
-  std::string title;  // "front-to-back peeling, two coplanar fragments a round"
-  std::string paper;  // where it is from
-  bool exact = true;  // captures every fragment, also coplanar ones, given enough memory
-  bool order_free = true;  // captures the same fragments in whatever sequence they are drawn
-  std::string captures;         // in words, where it is not exact
-  std::string passes_formula;   // D: depth layers; C: fragments of a layer; N: fragments of a pixel
-  std::string bytes_formula;    // of a pixel
+  std::string name;            // "f2b-2p"
+  std::string title;           // "front-to-back peeling, two coplanar fragments a round"
+  std::string paper;           // where it is from
+  bool exact = true;           // captures every fragment, also coplanar ones, given enough memory
+  bool order_free = true;      // captures the same fragments in whatever sequence they are drawn
+  std::string captures;        // in words, where it is not exact
+  std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
+  std::string bytes_formula;   // of a pixel
   bool needs_atomics64 = false, needs_layered = false;
 };
 // In the order of the paper's Table 1. None where pellucid was built without Vulkan.
@@ -100,7 +106,8 @@ struct RenderOptions {
   Vec3f background{1, 1, 1};  // linear
   Vec3f edge_color{0.02F, 0.02F, 0.03F};
   std::uint32_t k = 8;  // fragments, or buckets, of techniques with a fixed number of them; 1 .. 64
-  // Nodes of techniques that store in a pool; 0: as many as there are fragments. What finds no place is counted.
+  // Nodes of techniques that store in a pool; 0: as many as there are fragments. What finds no place is
+  // counted.
   std::uint64_t pool = 0;
   // Sort with an insertion sort of a local array, as is common: to measure against.
   bool plain_resolve = false;
@@ -115,12 +122,12 @@ struct CaptureStats {
   std::uint64_t overflowed = 0;  // that found no place
   std::uint64_t coplanar = 0;    // captured ones at the depth of another one of their pixel
   std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
-  std::uint64_t deepest_pixel = 0;           // most fragments of a pixel
-  std::uint32_t rounds = 0;                  // of techniques that peel
-  std::uint32_t geometry_passes = 0;         // how often all triangles were drawn
-  std::uint32_t fullscreen_passes = 0;       // compute passes over the picture
-  std::uint64_t bytes = 0;                   // of the technique's own buffers and images
-  double milliseconds = 0;                   // on the device, from the first clear to the finished picture
+  std::uint64_t deepest_pixel = 0;      // most fragments of a pixel
+  std::uint32_t rounds = 0;             // of techniques that peel
+  std::uint32_t geometry_passes = 0;    // how often all triangles were drawn
+  std::uint32_t fullscreen_passes = 0;  // compute passes over the picture
+  std::uint64_t bytes = 0;              // of the technique's own buffers and images
+  double milliseconds = 0;              // on the device, from the first clear to the finished picture
   // The paper's robustness ratio R_h; 1 for an empty picture.
   [[nodiscard]] double captured_share() const {
     return fragments == 0 ? 1 : static_cast<double>(captured) / static_cast<double>(fragments);
@@ -139,9 +146,9 @@ struct RenderResult {
   CapturedFragments fragments;
 };
 
-// The same on the CPU, from the fragments of raster.h: the oracle of all techniques. Colours are not rounded on the
-// way, as fragments on the device are (8 bits a channel, gamma 2); CaptureStats has fragments, captured, coplanar,
-// pixels and milliseconds. Throws as Renderer::draw does for effects.
+// The same on the CPU, from the fragments of raster.h: the oracle of all techniques. Colours are not rounded
+// on the way, as fragments on the device are (8 bits a channel, gamma 2); CaptureStats has fragments,
+// captured, coplanar, pixels and milliseconds. Throws as Renderer::draw does for effects.
 RenderResult draw_reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options);
 
 // A device with one scene on it. Not to be used from several threads at once.
@@ -155,13 +162,13 @@ class Renderer {
 
   [[nodiscard]] const DeviceInfo& info() const;
 
-  // Copies the scene to the device. Throws Error{bad_argument} for indices out of range, and for scenes that a buffer
-  // of the device cannot hold.
+  // Copies the scene to the device. Throws Error{bad_argument} for indices out of range, and for scenes that
+  // a buffer of the device cannot hold.
   void load(const RenderScene& scene);
 
   // Draw what was loaded. Pictures whose buffers would be too large for the device are drawn in bands.
-  // Throws Error{bad_argument} for a technique that is not there or not possible on this device, and for effects that
-  // the scene has too many objects for; Error{interrupted} when `progress` says so.
+  // Throws Error{bad_argument} for a technique that is not there or not possible on this device, and for
+  // effects that the scene has too many objects for; Error{interrupted} when `progress` says so.
   RenderResult draw(const Camera& camera, const RenderOptions& options, Progress* progress = nullptr);
 
   // What validation said so far, with DeviceOptions::validate.

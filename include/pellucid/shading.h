@@ -32,8 +32,8 @@ struct ShadingOptions {
   double alpha = 0.5;
   Vec3f color{0.09F, 0.34F, 0.68F};  // linear RGB of the surface
   Vec3f background{1, 1, 1};
-  // Surfaces that differ, with Shading::lit: the look of every triangle, an index into `looks`. Empty: all have
-  // the colour and alpha above.
+  // Surfaces that differ, with Shading::lit: the look of every triangle, an index into `looks`. Empty: all
+  // have the colour and alpha above.
   std::vector<SurfaceLook> looks{};
   std::vector<std::uint32_t> triangle_looks{};
 };

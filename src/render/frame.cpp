@@ -51,7 +51,8 @@ Attachments Frame::attachments() const {
 }
 
 void Frame::gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const {
-  recorder.draw(scene, pipelines.scene({.fragment_shader = fragment_shader, .constants = constants}), attachments());
+  recorder.draw(scene, pipelines.scene({.fragment_shader = fragment_shader, .constants = constants}),
+                attachments());
 }
 
 std::uint32_t loop_budget(const DeviceInfo& device) {

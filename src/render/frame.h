@@ -37,10 +37,10 @@ struct Frame {
   Pipelines& pipelines;
   const GpuScene& scene;
   const RenderOptions& options;
-  std::uint32_t effect = 0;                          // kEffect
-  std::uint32_t width = 0, height = 0;               // of the band
-  std::uint32_t first_row = 0, picture_height = 0;   // where it lies
-  std::uint64_t fragments = 0, deepest = 0;          // in it, counted beforehand
+  std::uint32_t effect = 0;                         // kEffect
+  std::uint32_t width = 0, height = 0;              // of the band
+  std::uint32_t first_row = 0, picture_height = 0;  // where it lies
+  std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
   Buffer counters;
   std::uint64_t technique_bytes = 0;
 

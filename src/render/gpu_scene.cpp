@@ -24,7 +24,8 @@ void check_scene(const RenderScene& scene) {
   if (scene.objects.size() != scene.triangles.size()) complain("a scene has one object for every triangle");
   const auto vertices = scene.positions.size();
   for (const Triangle& t : scene.triangles) {
-    if (t[0] >= vertices || t[1] >= vertices || t[2] >= vertices) complain("a triangle has a vertex that is not there");
+    if (t[0] >= vertices || t[1] >= vertices || t[2] >= vertices)
+      complain("a triangle has a vertex that is not there");
   }
   for (const std::uint32_t object : scene.objects) {
     if (object >= scene.surfaces.size()) complain("a triangle has an object that is not there");
@@ -64,7 +65,9 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
     sequence.resize(scene.triangles.size());
     std::iota(sequence.begin(), sequence.end(), 0U);
   }
-  const auto culled = [&](std::uint32_t triangle) { return !scene.surfaces[scene.objects[triangle]].double_sided; };
+  const auto culled = [&](std::uint32_t triangle) {
+    return !scene.surfaces[scene.objects[triangle]].double_sided;
+  };
   const auto middle =
       std::stable_partition(sequence.begin(), sequence.end(), [&](std::uint32_t t) { return !culled(t); });
 

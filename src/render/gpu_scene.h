@@ -1,7 +1,8 @@
 // gpu_scene.h - a RenderScene on the device.
 //
-// Triangles are rotated so that their smallest corner comes first: two that coincide then get the same depths to the
-// bit, however their corners were listed. Those that show both sides come first, then those that are culled.
+// Triangles are rotated so that their smallest corner comes first: two that coincide then get the same depths
+// to the bit, however their corners were listed. Those that show both sides come first, then those that are
+// culled.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,8 @@ const DeviceInfo& Renderer::info() const {
   return implementation_->info;
 }
 void Renderer::load(const RenderScene& /*scene*/) {}
-RenderResult Renderer::draw(const Camera& /*camera*/, const RenderOptions& /*options*/, Progress* /*progress*/) {
+RenderResult Renderer::draw(const Camera& /*camera*/, const RenderOptions& /*options*/,
+                            Progress* /*progress*/) {
   return {};
 }
 std::vector<std::string> Renderer::validation_messages() const {

@@ -1,5 +1,5 @@
-// The effects on the CPU, pixel by pixel, from complete sorted lists: written for clarity, and otherwise than the
-// shaders, which see one fragment at a time.
+// The effects on the CPU, pixel by pixel, from complete sorted lists: written for clarity, and otherwise than
+// the shaders, which see one fragment at a time.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -116,7 +116,9 @@ void Reference::draw_edges(std::uint64_t p, Shaded& shaded) const {
       const double dx = (*b)[0] - (*a)[0];
       const double dy = (*b)[1] - (*a)[1];
       const double length = std::hypot(dx, dy);
-      if (length > 0) nearest = std::min(nearest, std::abs(dx * (center[1] - (*a)[1]) - dy * (center[0] - (*a)[0])) / length);
+      if (length > 0)
+        nearest =
+            std::min(nearest, std::abs(dx * (center[1] - (*a)[1]) - dy * (center[0] - (*a)[0])) / length);
     }
     const double place = std::clamp((nearest - 0.3) / 0.8, 0.0, 1.0);
     const double edge = 1 - place * place * (3 - 2 * place);
@@ -128,16 +130,27 @@ void Reference::draw_edges(std::uint64_t p, Shaded& shaded) const {
 Vec3d Reference::coplanarity(const std::vector<Group>& groups) const {
   std::size_t largest = 0;
   for (const Group& g : groups) largest = std::max(largest, g.last - g.first);
-  static constexpr std::array<Vec3d, 9> kColors{{{0.22, 0.22, 0.22}, {0.8, 0.02, 0.02}, {0.02, 0.05, 0.8},
-                                                 {0.02, 0.45, 0.05}, {0, 0.75, 0.75}, {0.2, 1, 0.65},
-                                                 {0.9, 0, 0.9}, {0.95, 0.9, 0}, {0.3, 0.12, 0.02}}};
+  static constexpr std::array<Vec3d, 9> kColors{{{0.22, 0.22, 0.22},
+                                                 {0.8, 0.02, 0.02},
+                                                 {0.02, 0.05, 0.8},
+                                                 {0.02, 0.45, 0.05},
+                                                 {0, 0.75, 0.75},
+                                                 {0.2, 1, 0.65},
+                                                 {0.9, 0, 0.9},
+                                                 {0.95, 0.9, 0},
+                                                 {0.3, 0.12, 0.02}}};
   return kColors.at(std::min<std::size_t>(largest, 9) - 1);
 }
 
 Vec3d Reference::complexity(std::size_t count) const {
-  static constexpr std::array<Vec3d, 8> kRamp{{{0.02, 0.03, 0.20}, {0.03, 0.12, 0.55}, {0.02, 0.40, 0.55},
-                                               {0.05, 0.55, 0.15}, {0.75, 0.70, 0.03}, {0.90, 0.30, 0.02},
-                                               {0.70, 0.02, 0.05}, {0.95, 0.75, 0.85}}};
+  static constexpr std::array<Vec3d, 8> kRamp{{{0.02, 0.03, 0.20},
+                                               {0.03, 0.12, 0.55},
+                                               {0.02, 0.40, 0.55},
+                                               {0.05, 0.55, 0.15},
+                                               {0.75, 0.70, 0.03},
+                                               {0.90, 0.30, 0.02},
+                                               {0.70, 0.02, 0.05},
+                                               {0.95, 0.75, 0.85}}};
   const double place = std::clamp(std::log2(static_cast<double>(count)), 0.0, 6.999);
   const auto from = static_cast<std::size_t>(place);
   const double t = place - static_cast<double>(from);
@@ -251,7 +264,8 @@ RenderResult Reference::draw() {
   stats.geometry_passes = 1;
   stats.bytes = 8 * (fragments.fragments.size() + fragments.offsets.size());
   stats.milliseconds = 1000 * watch.seconds();
-  if (options_.keep_fragments) result.fragments = {std::move(fragments.offsets), std::move(fragments.fragments)};
+  if (options_.keep_fragments)
+    result.fragments = {std::move(fragments.offsets), std::move(fragments.fragments)};
   return result;
 }
 

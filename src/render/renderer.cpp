@@ -91,7 +91,10 @@ OwnedQueryPool make_timestamps(Context& context) {
 
 struct Renderer::Implementation {
   explicit Implementation(const DeviceOptions& options)
-      : context(options), pipelines(context), timestamps(render::make_timestamps(context)), unused(context, "unused slot", 16) {}
+      : context(options),
+        pipelines(context),
+        timestamps(render::make_timestamps(context)),
+        unused(context, "unused slot", 16) {}
 
   // What a draw() is about.
   struct Job {
@@ -115,7 +118,8 @@ struct Renderer::Implementation {
   void run(const Job& job, const render::Frame& frame, CaptureStats& stats,
            const std::function<void(render::Recorder&)>& record);
   void read_picture(const render::Frame& frame, RenderResult& result);
-  void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump, RenderResult& result);
+  void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump,
+                      RenderResult& result);
 
   render::Context context;
   render::Pipelines pipelines;
@@ -208,7 +212,9 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     technique.start(frame, recorder);
   });
   render::Counters counters{};
-  const auto read_counters = [&] { frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1))); };
+  const auto read_counters = [&] {
+    frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1)));
+  };
   if (technique.peels()) {
     // A round per depth layer and pair of coplanar fragments at most, and one that finds nothing.
     const std::uint64_t most_rounds = frame.deepest + 2;
@@ -227,8 +233,8 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   stats.coplanar += counters.coplanar;
   stats.coplanar_pixels += counters.coplanar_pixels;
   stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
-  stats.covered_pixels +=
-      static_cast<std::uint64_t>(std::count_if(counts.begin(), counts.end(), [](std::uint32_t n) { return n > 0; }));
+  stats.covered_pixels += static_cast<std::uint64_t>(
+      std::count_if(counts.begin(), counts.end(), [](std::uint32_t n) { return n > 0; }));
   if (job.effect == render::kDumpEffect) {
     read_fragments(frame, offsets, result);
   } else {
@@ -242,7 +248,8 @@ void Renderer::Implementation::read_picture(const render::Frame& frame, RenderRe
   for (const std::array<float, 4>& v : values) result.pixels.push_back({v[0], v[1], v[2]});
 }
 
-void Renderer::Implementation::read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& offsets,
+void Renderer::Implementation::read_fragments(const render::Frame& frame,
+                                              const std::vector<std::uint32_t>& offsets,
                                               RenderResult& result) {
   std::vector<std::array<std::uint32_t, 2>> values(frame.fragments);
   dump.download(context, std::as_writable_bytes(std::span(values)), 4 * offsets.size());
@@ -275,7 +282,8 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   capture(job, frame, *technique, result, counts);
 }
 
-Renderer::Renderer(const DeviceOptions& options) : implementation_(std::make_unique<Implementation>(options)) {}
+Renderer::Renderer(const DeviceOptions& options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
@@ -287,7 +295,8 @@ const DeviceInfo& Renderer::info() const {
 void Renderer::load(const RenderScene& scene) {
   implementation_->scene.reset();
   implementation_->scene = render::upload_scene(implementation_->context, scene);
-  implementation_->frame_buffer = render::Buffer(implementation_->context, "frame", sizeof(render::FrameData));
+  implementation_->frame_buffer =
+      render::Buffer(implementation_->context, "frame", sizeof(render::FrameData));
 }
 
 std::vector<std::string> Renderer::validation_messages() const {
@@ -318,8 +327,8 @@ const render::TechniqueEntry& find_technique(const RenderOptions& options, const
     if (entry.info.name != options.technique) continue;
     const std::string missing = missing_for(entry.info, device);
     if (missing.empty()) return entry;
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--technique {} needs {}, which {} has not", options.technique, missing, device.name));
+    throw Error(ErrorKind::bad_argument, fmt::format("--technique {} needs {}, which {} has not",
+                                                     options.technique, missing, device.name));
   }
   throw Error(ErrorKind::bad_argument,
               fmt::format("--technique: there is no '{}'; there are {}", options.technique, names));
@@ -327,9 +336,11 @@ const render::TechniqueEntry& find_technique(const RenderOptions& options, const
 
 void check_options(const Camera& camera, const RenderOptions& options, const DeviceInfo& device,
                    std::uint32_t objects) {
-  if (camera.width == 0 || camera.height == 0 || camera.width > device.max_side || camera.height > device.max_side) {
-    throw Error(ErrorKind::bad_argument, fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
-                                                     device.max_side, camera.width, camera.height));
+  if (camera.width == 0 || camera.height == 0 || camera.width > device.max_side ||
+      camera.height > device.max_side) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
+                            device.max_side, camera.width, camera.height));
   }
   if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
   render::check_effect(options.effect, objects);
@@ -341,8 +352,8 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
   Implementation& self = *implementation_;
   if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
   check_options(camera, options, info(), self.scene->object_count);
-  Implementation::Job job{camera, options, find_technique(options, info()), static_cast<std::uint32_t>(options.effect),
-                          progress};
+  Implementation::Job job{camera, options, find_technique(options, info()),
+                          static_cast<std::uint32_t>(options.effect), progress};
   RenderResult result;
   result.width = camera.width;
   result.height = camera.height;

@@ -31,7 +31,8 @@ class Capture : public ::testing::TestWithParam<std::string> {
     testing::test_renderer().load(scene);
     return testing::test_renderer().draw(camera, options_);
   }
-  // Depths increase, no fragment comes twice, and each is one of the oracle's; of exact techniques all are there.
+  // Depths increase, no fragment comes twice, and each is one of the oracle's; of exact techniques all are
+  // there.
   void expect_as_oracle(const RenderScene& scene, const Camera& camera) {
     const RenderResult result = draw(scene, camera);
     const FragmentBuffer oracle = testing::cpu_fragments(scene, camera);
@@ -70,7 +71,8 @@ class Capture : public ::testing::TestWithParam<std::string> {
   static bool agrees(std::vector<Fragment> captured, std::span<const Fragment> expected, bool all) {
     const auto key = [](const Fragment& f) { return std::make_pair(f.depth, f.node); };
     const auto before = [&](const Fragment& a, const Fragment& b) { return key(a) < key(b); };
-    if (!std::is_sorted(captured.begin(), captured.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; })) {
+    if (!std::is_sorted(captured.begin(), captured.end(),
+                        [](const auto& a, const auto& b) { return a.depth < b.depth; })) {
       return false;
     }
     // Within a group at one depth, techniques that take two at a time deliver both of its ends first.
@@ -102,7 +104,8 @@ TEST_P(Capture, TrianglesOverTheWholePicture) {
 }
 
 TEST_P(Capture, NearestAndFarthestDepth) {
-  const RenderScene scene = testing::joined(testing::coplanar_squares(3, 0.0F), testing::coplanar_squares(2, 1.0F));
+  const RenderScene scene =
+      testing::joined(testing::coplanar_squares(3, 0.0F), testing::coplanar_squares(2, 1.0F));
   expect_as_oracle(scene, testing::unit_camera(16, 16));
 }
 
@@ -132,12 +135,14 @@ TEST_P(Capture, ShuffledTrianglesGiveTheSamePicture) {
   const RenderResult straight = draw(scene, camera);
   Random random(7);
   for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.push_back(i);
-  for (std::size_t i = scene.sequence.size(); i > 1; --i) std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
+  for (std::size_t i = scene.sequence.size(); i > 1; --i)
+    std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
   const RenderResult shuffled = draw(scene, camera);
   EXPECT_EQ(straight.pixels, shuffled.pixels);
 }
 
-// ----------------------------------------------------------------- what the techniques keep that do not keep all
+// ----------------------------------------------------------------- what the techniques keep that do not keep
+// all
 
 class Bounded : public ::testing::Test {
  protected:
@@ -161,8 +166,9 @@ class Bounded : public ::testing::Test {
 };
 
 bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Fragment& f, const Fragment& g) { return f.depth == g.depth && f.node == g.node; });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Fragment& f, const Fragment& g) {
+    return f.depth == g.depth && f.node == g.node;
+  });
 }
 
 TEST_F(Bounded, KBufferKeepsTheNearest) {
@@ -181,7 +187,8 @@ TEST_F(Bounded, ArraysAndLayersKeepSoManyAsTheyHavePlacesFor) {
   }
 }
 
-// The nearest and the farthest are those of the first and the last bucket; with one bucket there are no others.
+// The nearest and the farthest are those of the first and the last bucket; with one bucket there are no
+// others.
 TEST_F(Bounded, BucketsKeepTheirEnds) {
   for (const char* technique : {"bun", "bad"}) {
     for_pixels(technique, 1, [&](std::span<const Fragment> captured, std::span<const Fragment> all) {
@@ -197,7 +204,8 @@ TEST_F(Bounded, BucketsKeepTheirEnds) {
   }
 }
 
-// Buckets that adapt to where fragments are keep more of them than uniform ones where they are not spread evenly.
+// Buckets that adapt to where fragments are keep more of them than uniform ones where they are not spread
+// evenly.
 TEST_F(Bounded, AdaptiveBucketsKeepAllDistinctDepthsOfAPixelWithFewOfThem) {
   RenderScene scene = testing::coplanar_squares(1, 0);
   for (const float depth : {0.5F, 0.50390625F, 0.5078125F, 0.51171875F, 0.515625F, 1.0F}) {
@@ -224,11 +232,12 @@ TEST_F(Bounded, PoolThatIsTooSmallIsToldOf) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Techniques, Capture, ::testing::ValuesIn(technique_names()), [](const auto& parameter) {
-  std::string name = parameter.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Techniques, Capture, ::testing::ValuesIn(technique_names()),
+                         [](const auto& parameter) {
+                           std::string name = parameter.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace pellucid

@@ -30,11 +30,14 @@ bool is_red(const Vec3f& color) {
 // --------------------------------------------------------------------------------------- made by hand
 
 TEST(Reference, BlendsFrontToBack) {
-  RenderScene scene = testing::joined(testing::coplanar_squares(1, 0.25F), testing::coplanar_squares(1, 0.5F));
+  RenderScene scene =
+      testing::joined(testing::coplanar_squares(1, 0.25F), testing::coplanar_squares(1, 0.5F));
   scene.surfaces[0].alpha = 1;
-  const RenderResult opaque_first = draw_reference(scene, testing::unit_camera(4, 4), of(Effect::transparency));
+  const RenderResult opaque_first =
+      draw_reference(scene, testing::unit_camera(4, 4), of(Effect::transparency));
   scene.surfaces[1].color = {9, 9, 9};
-  const RenderResult changed_behind = draw_reference(scene, testing::unit_camera(4, 4), of(Effect::transparency));
+  const RenderResult changed_behind =
+      draw_reference(scene, testing::unit_camera(4, 4), of(Effect::transparency));
   EXPECT_EQ(opaque_first.pixels, changed_behind.pixels);
   EXPECT_EQ(opaque_first.stats.fragments, 32U);
   EXPECT_EQ(opaque_first.stats.coplanar, 0U);
@@ -49,7 +52,8 @@ TEST(Reference, DifferenceLeavesNoSkinWhereFacesCoincide) {
   EXPECT_EQ(pixel_at(difference, 16, 16), kWhite);  // drilled through: nothing is left
   EXPECT_NE(pixel_at(difference, 8, 8), kWhite);
   EXPECT_EQ(pixel_at(difference, 1, 1), kWhite);
-  const RenderResult intersection = draw_reference(scene, camera, of(Effect::csg, CsgOperation::intersection));
+  const RenderResult intersection =
+      draw_reference(scene, camera, of(Effect::csg, CsgOperation::intersection));
   EXPECT_NE(pixel_at(intersection, 16, 16), kWhite);
   EXPECT_EQ(pixel_at(intersection, 8, 8), kWhite);
 }
@@ -67,7 +71,8 @@ TEST(Reference, CollisionNeedsTwoInsidesOfOneObject) {
 }
 
 TEST(Reference, CoplanarGroupsAreCounted) {
-  const RenderScene scene = testing::joined(testing::coplanar_squares(3, 0.5F), testing::coplanar_squares(2, 0.75F));
+  const RenderScene scene =
+      testing::joined(testing::coplanar_squares(3, 0.5F), testing::coplanar_squares(2, 0.75F));
   const RenderResult result = draw_reference(scene, testing::unit_camera(8, 8), of(Effect::coplanarity));
   EXPECT_EQ(result.stats.coplanar, 5U * 64);
   EXPECT_EQ(result.stats.coplanar_pixels, 64U);
@@ -99,7 +104,8 @@ double largest_difference(const Vec3f& a, const Vec3f& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
 
-// Colours of fragments are rounded on the device; a pixel in a thousand may have an edge that falls the other way.
+// Colours of fragments are rounded on the device; a pixel in a thousand may have an edge that falls the other
+// way.
 void expect_as_reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options) {
   const RenderResult expected = draw_reference(scene, camera, options);
   testing::test_renderer().load(scene);
@@ -117,16 +123,19 @@ TEST_P(OnDevice, StackOfCoplanarTriangles) {
 }
 
 TEST_P(OnDevice, BoxesInPerspective) {
-  const RenderScene scene = testing::joined(testing::box({0, 0, 0}, {1, 1, 1}), testing::box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
+  const RenderScene scene = testing::joined(testing::box({0, 0, 0}, {1, 1, 1}),
+                                            testing::box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
   const Camera camera = look_at_sphere({{0.7, 0.5, 0.5}, 1.1}, {normalized(Vec3d{0.4, 0.5, 1}), 3}, 80, 60);
-  for (const CsgOperation csg : {CsgOperation::union_of_all, CsgOperation::intersection, CsgOperation::difference}) {
+  for (const CsgOperation csg :
+       {CsgOperation::union_of_all, CsgOperation::intersection, CsgOperation::difference}) {
     expect_as_reference(scene, camera, of(GetParam().effect, csg));
     if (GetParam().effect != Effect::csg) break;
   }
 }
 
 TEST_P(OnDevice, SingleSidedSurfaces) {
-  RenderScene scene = testing::joined(testing::box({0, 0, 0}, {1, 1, 1}), testing::box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
+  RenderScene scene = testing::joined(testing::box({0, 0, 0}, {1, 1, 1}),
+                                      testing::box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
   scene.surfaces[1].double_sided = false;
   const Camera camera = look_at_sphere({{0.7, 0.5, 0.5}, 1.1}, {normalized(Vec3d{0.4, 0.5, 1}), 3}, 80, 60);
   expect_as_reference(scene, camera, of(GetParam().effect));

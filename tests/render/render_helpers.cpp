@@ -44,8 +44,9 @@ RenderScene random_stack(std::uint64_t seed, std::size_t triangles) {
   Random random(seed);
   RenderScene scene;
   for (std::uint32_t object = 0; object < 4; ++object) {
-    scene.surfaces.push_back({.color = {0.2F * static_cast<float>(object), 0.5F, 0.9F - 0.2F * static_cast<float>(object)},
-                              .alpha = 0.2F + 0.15F * static_cast<float>(object)});
+    scene.surfaces.push_back(
+        {.color = {0.2F * static_cast<float>(object), 0.5F, 0.9F - 0.2F * static_cast<float>(object)},
+         .alpha = 0.2F + 0.15F * static_cast<float>(object)});
   }
   while (scene.triangles.size() < triangles) {
     const float depth = static_cast<float>(random.below(9)) / 8.0F;  // 0 and 1 included
@@ -78,7 +79,8 @@ RenderScene box(const Vec3f& low, const Vec3f& high) {
   RenderScene scene;
   scene.surfaces.push_back({.color = {0.5F, 0.4F, 0.2F}, .alpha = 0.4F});
   const auto corner = [&](unsigned bits) {
-    return Vec3f{(bits & 1U) != 0 ? high.x : low.x, (bits & 2U) != 0 ? high.y : low.y, (bits & 4U) != 0 ? high.z : low.z};
+    return Vec3f{(bits & 1U) != 0 ? high.x : low.x, (bits & 2U) != 0 ? high.y : low.y,
+                 (bits & 4U) != 0 ? high.z : low.z};
   };
   // Counter-clockwise from outside: left, right, bottom, top, far (-z), near (+z).
   constexpr std::array<std::array<unsigned, 4>, 6> kFaces{
@@ -97,7 +99,8 @@ RenderScene joined(const RenderScene& a, const RenderScene& b) {
   scene.positions.insert(scene.positions.end(), b.positions.begin(), b.positions.end());
   scene.normals.insert(scene.normals.end(), b.normals.begin(), b.normals.end());
   scene.surfaces.insert(scene.surfaces.end(), b.surfaces.begin(), b.surfaces.end());
-  for (const Triangle& t : b.triangles) scene.triangles.push_back({t[0] + vertices, t[1] + vertices, t[2] + vertices});
+  for (const Triangle& t : b.triangles)
+    scene.triangles.push_back({t[0] + vertices, t[1] + vertices, t[2] + vertices});
   for (const std::uint32_t object : b.objects) scene.objects.push_back(object + objects);
   return scene;
 }
@@ -137,8 +140,9 @@ FragmentBuffer cpu_fragments(const RenderScene& scene, const Camera& camera) {
 }
 
 std::vector<Fragment> pixel_of(const CapturedFragments& captured, std::size_t pixel) {
-  std::vector<Fragment> list(captured.fragments.begin() + static_cast<std::ptrdiff_t>(captured.offsets[pixel]),
-                             captured.fragments.begin() + static_cast<std::ptrdiff_t>(captured.offsets[pixel + 1]));
+  std::vector<Fragment> list(
+      captured.fragments.begin() + static_cast<std::ptrdiff_t>(captured.offsets[pixel]),
+      captured.fragments.begin() + static_cast<std::ptrdiff_t>(captured.offsets[pixel + 1]));
   return list;
 }
 

@@ -25,8 +25,8 @@ RenderScene joined(const RenderScene& a, const RenderScene& b);
 // Of a mesh, as one object.
 RenderScene scene_of(const Mesh& mesh);
 
-// Looks along +z at the unit cube, without perspective: positions on a grid of 1 / 256 pixel are where the CPU raster
-// sees them, and depths of dyadic numbers are exact.
+// Looks along +z at the unit cube, without perspective: positions on a grid of 1 / 256 pixel are where the
+// CPU raster sees them, and depths of dyadic numbers are exact.
 Camera unit_camera(std::uint32_t width, std::uint32_t height);
 
 // The oracle: all fragments of the scene.

@@ -1,7 +1,7 @@
-// Bucket peeling: the nearest and the farthest fragment of each of k buckets of a pixel's depth range: uniform (BUN), or
-// with as many occupied bins of depth in each (BAD).
-// Liu, Huang, Liu, Wu, "Efficient Depth Peeling via Bucket Sort", HPG 2009; Sintorn, Assarsson, I3D 2009.
-// Keys (depth, id) and 64-bit atomics stand in for the papers' MAX blending: fragments at one depth stay apart.
+// Bucket peeling: the nearest and the farthest fragment of each of k buckets of a pixel's depth range:
+// uniform (BUN), or with as many occupied bins of depth in each (BAD). Liu, Huang, Liu, Wu, "Efficient Depth
+// Peeling via Bucket Sort", HPG 2009; Sintorn, Assarsson, I3D 2009. Keys (depth, id) and 64-bit atomics stand
+// in for the papers' MAX blending: fragments at one depth stay apart.
 #include "buffer_techniques.h"
 
 namespace pellucid::render {
@@ -31,9 +31,10 @@ class BucketPairs final : public Technique {
     recorder.bind(Slot::d, bins_);
     recorder.fill(bins_, 0);
     recorder.barrier();
-    recorder.dispatch(frame.pipelines.compute("capture/clear_bounds.comp", {}), frame.tiles_x(), frame.tiles_y());
-    recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, 2 * k, 1}), frame.tiles_x(),
+    recorder.dispatch(frame.pipelines.compute("capture/clear_bounds.comp", {}), frame.tiles_x(),
                       frame.tiles_y());
+    recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, 2 * k, 1}),
+                      frame.tiles_x(), frame.tiles_y());
     recorder.barrier();
     frame.gather(recorder, "capture/bounds.frag", {});
     recorder.barrier();

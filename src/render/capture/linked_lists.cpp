@@ -1,7 +1,7 @@
-// Linked lists: one pool, an atomic counter, a head for every pixel (LL), or one for each of several uniform buckets of
-// the pixel's depth range, so that what has to be sorted is short (BUN-LL).
-// Yang, Hensley, Gruen, Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010; section 3.1.4
-// of the paper. The buckets here lie between the pixel's own nearest and farthest fragment, not the bounding box's.
+// Linked lists: one pool, an atomic counter, a head for every pixel (LL), or one for each of several uniform
+// buckets of the pixel's depth range, so that what has to be sorted is short (BUN-LL). Yang, Hensley, Gruen,
+// Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010; section 3.1.4 of the
+// paper. The buckets here lie between the pixel's own nearest and farthest fragment, not the bounding box's.
 #include "buffer_techniques.h"
 #include "list_resolve.h"
 
@@ -28,7 +28,8 @@ class LinkedLists final : public Technique {
     recorder.bind(Slot::c, nodes_);
     recorder.fill(heads_, 0xFFFFFFFFU);
     if (bucketed_) {
-      recorder.dispatch(frame.pipelines.compute("capture/clear_bounds.comp", {}), frame.tiles_x(), frame.tiles_y());
+      recorder.dispatch(frame.pipelines.compute("capture/clear_bounds.comp", {}), frame.tiles_x(),
+                        frame.tiles_y());
       recorder.barrier();
       frame.gather(recorder, "capture/bounds.frag", {});
     }

@@ -25,8 +25,8 @@ void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k) cons
   recorder.bind(Slot::e, tiles_);
   recorder.dispatch(frame.pipelines.compute("resolve/clear_tiles.comp", {}), 1, 1);
   recorder.barrier();
-  recorder.dispatch(frame.pipelines.compute("resolve/classify_" + storage_ + ".comp", constants), frame.tiles_x(),
-                    frame.tiles_y());
+  recorder.dispatch(frame.pipelines.compute("resolve/classify_" + storage_ + ".comp", constants),
+                    frame.tiles_x(), frame.tiles_y());
   recorder.barrier();
   recorder.push().p[0] = loop_budget(frame.context.info());
   for (std::uint32_t i = 0; i < kClasses.size(); ++i) {
@@ -34,8 +34,9 @@ void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k) cons
     if (i > 0 && frame.deepest <= kClasses.at(i).more_than) break;
     recorder.push().p[1] = i;
     const std::string kernel = frame.options.plain_resolve ? "plain" : kClasses.at(i).kernel;
-    recorder.dispatch_indirect(frame.pipelines.compute("resolve/" + storage_ + "_" + kernel + ".comp", constants),
-                               tiles_, 12 * std::uint64_t{i});
+    recorder.dispatch_indirect(
+        frame.pipelines.compute("resolve/" + storage_ + "_" + kernel + ".comp", constants), tiles_,
+        12 * std::uint64_t{i});
     recorder.barrier();
   }
   recorder.count_fullscreen_pass();  // every tile is in one class

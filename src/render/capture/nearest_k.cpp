@@ -1,7 +1,8 @@
-// The k nearest fragments of every pixel (KB), and the same again from where the last round ended until all are there
-// (MultiKB): exact in memory that does not depend on the scene. Keys (depth, id) go through a chain of 64-bit atomic
-// minima, which needs no order of the fragments, unlike the k-buffer of Bavoil et al. (I3D 2007), and no second try,
-// unlike that of Liu et al. (2009); a second pass over the fragments brings the colours.
+// The k nearest fragments of every pixel (KB), and the same again from where the last round ended until all
+// are there (MultiKB): exact in memory that does not depend on the scene. Keys (depth, id) go through a chain
+// of 64-bit atomic minima, which needs no order of the fragments, unlike the k-buffer of Bavoil et al. (I3D
+// 2007), and no second try, unlike that of Liu et al. (2009); a second pass over the fragments brings the
+// colours.
 #include "buffer_techniques.h"
 
 namespace pellucid::render {
@@ -25,7 +26,9 @@ class NearestK final : public Technique {
     if (!several_rounds_) draw_round(frame, recorder, 0);
   }
   [[nodiscard]] bool peels() const override { return several_rounds_; }
-  void peel(Frame& frame, Recorder& recorder, std::uint32_t round) override { draw_round(frame, recorder, round); }
+  void peel(Frame& frame, Recorder& recorder, std::uint32_t round) override {
+    draw_round(frame, recorder, round);
+  }
 
  private:
   void draw_round(Frame& frame, Recorder& recorder, std::uint32_t round) {
@@ -36,15 +39,16 @@ class NearestK final : public Technique {
     recorder.bind(Slot::state_front, states_);
     recorder.push().round = round;
     recorder.reset_active_pixels(frame.counters);
-    recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, k, 0}), frame.tiles_x(),
-                      frame.tiles_y());
+    recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, k, 0}),
+                      frame.tiles_x(), frame.tiles_y());
     recorder.barrier();
     frame.gather(recorder, "capture/nearest_keys.frag", {frame.effect, k});
     recorder.barrier();
     frame.gather(recorder, "capture/nearest_colors.frag", {frame.effect, k});
     recorder.barrier();
-    recorder.dispatch(frame.pipelines.compute("resolve/keys.comp", {frame.effect, k, several_rounds_ ? 1U : 0U}),
-                      frame.tiles_x(), frame.tiles_y());
+    recorder.dispatch(
+        frame.pipelines.compute("resolve/keys.comp", {frame.effect, k, several_rounds_ ? 1U : 0U}),
+        frame.tiles_x(), frame.tiles_y());
   }
 
   bool several_rounds_;

@@ -1,8 +1,8 @@
-// Stencil-routed A-buffer (SRAB): all triangles go to k layers; layer i counts down from i + 2 with every fragment and
-// takes the one that finds it at 2, so the n-th fragment drawn ends up in layer n.
-// Myers, Bavoil, "Stencil Routed A-Buffer", SIGGRAPH 2007 sketches. There the k places of a pixel are the samples of a
-// multisampled target; their positions differ, so edges get the wrong fragments wherever multisampling cannot be
-// switched off, as in Vulkan. Layers of an array, sampled at pixel centres, have no such edges.
+// Stencil-routed A-buffer (SRAB): all triangles go to k layers; layer i counts down from i + 2 with every
+// fragment and takes the one that finds it at 2, so the n-th fragment drawn ends up in layer n. Myers,
+// Bavoil, "Stencil Routed A-Buffer", SIGGRAPH 2007 sketches. There the k places of a pixel are the samples of
+// a multisampled target; their positions differ, so edges get the wrong fragments wherever multisampling
+// cannot be switched off, as in Vulkan. Layers of an array, sampled at pixel centres, have no such edges.
 #include "buffer_techniques.h"
 #include "list_resolve.h"
 
@@ -15,7 +15,9 @@ constexpr VkFormat kStencil = VK_FORMAT_D32_SFLOAT_S8_UINT;
 class StencilRouting final : public Technique {
  public:
   // Images are no buffers; the bound is that of one layer.
-  [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override { return 16 * frame.pixels(); }
+  [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
+    return 16 * frame.pixels();
+  }
   void allocate(Frame& frame) override {
     nodes_ = frame.make_image("fragment layers", kNodes, frame.options.k);
     stencil_ = frame.make_image("stencil layers", kStencil, frame.options.k);

@@ -15,7 +15,8 @@ class Technique {
   Technique& operator=(const Technique&) = delete;
   virtual ~Technique() = default;
 
-  // Bytes of the largest buffer that it needs for a picture: where it is too large, the picture is cut into bands.
+  // Bytes of the largest buffer that it needs for a picture: where it is too large, the picture is cut into
+  // bands.
   [[nodiscard]] virtual std::uint64_t largest_buffer(const Frame& frame) const = 0;
   // Buffers and images of a band, and what has to be done once before the first round.
   virtual void allocate(Frame& frame) = 0;

@@ -123,8 +123,8 @@ void check(VkResult result, const char* what) {
 
 Context::OwnedInstance::~OwnedInstance() {
   if (messenger != VK_NULL_HANDLE) {
-    instance_call<PFN_vkDestroyDebugUtilsMessengerEXT>(handle, "vkDestroyDebugUtilsMessengerEXT")(handle, messenger,
-                                                                                                 nullptr);
+    instance_call<PFN_vkDestroyDebugUtilsMessengerEXT>(handle, "vkDestroyDebugUtilsMessengerEXT")(
+        handle, messenger, nullptr);
   }
   if (handle != VK_NULL_HANDLE) vkDestroyInstance(handle, nullptr);
 }
@@ -141,15 +141,19 @@ Context::Context(const DeviceOptions& options) : log_(std::make_unique<Validatio
 }
 
 void Context::create_instance(bool validate) {
-  const VkApplicationInfo application{
-      .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "pellucid", .apiVersion = VK_API_VERSION_1_3};
+  const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                      .pApplicationName = "pellucid",
+                                      .apiVersion = VK_API_VERSION_1_3};
   const VkDebugUtilsMessengerCreateInfoEXT messenger{
       .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-      .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+      .messageSeverity =
+          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageType =
+          VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
       .pfnUserCallback = on_message,
       .pUserData = log_.get()};
-  const VkValidationFeatureEnableEXT synchronisation = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  const VkValidationFeatureEnableEXT synchronisation =
+      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                          .pNext = &messenger,
                                          .enabledValidationFeatureCount = 1,
@@ -164,9 +168,10 @@ void Context::create_instance(bool validate) {
                                   .ppEnabledExtensionNames = &extension};
   check(vkCreateInstance(&info, nullptr, &instance_.handle), "creating the instance");
   if (validate) {
-    check(instance_call<PFN_vkCreateDebugUtilsMessengerEXT>(instance_.handle, "vkCreateDebugUtilsMessengerEXT")(
-              instance_.handle, &messenger, nullptr, &instance_.messenger),
-          "creating the message callback");
+    check(
+        instance_call<PFN_vkCreateDebugUtilsMessengerEXT>(instance_.handle, "vkCreateDebugUtilsMessengerEXT")(
+            instance_.handle, &messenger, nullptr, &instance_.messenger),
+        "creating the message callback");
   }
 }
 
@@ -192,10 +197,11 @@ void Context::choose_device(const std::string& wanted) {
     physical_ = device;
   }
   if (physical_ == VK_NULL_HANDLE) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--device: no Vulkan device {}; there is {}",
-                            wanted.empty() ? std::string("can be used") : "is named '" + wanted + "'",
-                            there.empty() ? "none (Debian: mesa-vulkan-drivers has one for the CPU)" : there));
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--device: no Vulkan device {}; there is {}",
+                    wanted.empty() ? std::string("can be used") : "is named '" + wanted + "'",
+                    there.empty() ? "none (Debian: mesa-vulkan-drivers has one for the CPU)" : there));
   }
   read_info();
 }
@@ -204,7 +210,8 @@ void Context::read_info() {
   VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
                                           .pNext = &subgroup};
-  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                         .pNext = &driver};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   const auto& limits = properties.properties.limits;
@@ -213,12 +220,15 @@ void Context::read_info() {
   info_.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   info_.cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info_.max_buffer_bytes = limits.maxStorageBufferRange;
-  info_.max_side = std::min({limits.maxFramebufferWidth, limits.maxFramebufferHeight, limits.maxImageDimension2D});
+  info_.max_side =
+      std::min({limits.maxFramebufferWidth, limits.maxFramebufferHeight, limits.maxImageDimension2D});
 
   VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12};
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                     .pNext = &features12};
   vkGetPhysicalDeviceFeatures2(physical_, &features);
-  info_.atomics64 = features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
+  info_.atomics64 =
+      features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
   info_.layered = features12.shaderOutputLayer == VK_TRUE;
   info_.precise_queries = features.features.occlusionQueryPrecise == VK_TRUE;
 }
@@ -233,10 +243,11 @@ void Context::create_device() {
   VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                               .synchronization2 = VK_TRUE,
                                               .dynamicRendering = VK_TRUE};
-  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                              .pNext = &features13,
-                                              .shaderBufferInt64Atomics = info_.atomics64 ? VK_TRUE : VK_FALSE,
-                                              .shaderOutputLayer = info_.layered ? VK_TRUE : VK_FALSE};
+  VkPhysicalDeviceVulkan12Features features12{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+      .pNext = &features13,
+      .shaderBufferInt64Atomics = info_.atomics64 ? VK_TRUE : VK_FALSE,
+      .shaderOutputLayer = info_.layered ? VK_TRUE : VK_FALSE};
   const VkPhysicalDeviceFeatures2 features{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
       .pNext = &features12,
@@ -268,19 +279,21 @@ void Context::create_device() {
 void Context::create_layouts() {
   std::array<VkDescriptorSetLayoutBinding, kSlots> bindings{};
   for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
-    bindings[slot] = {.binding = slot,
-                      .descriptorType = slot < kFirstImageSlot ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                                                               : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
-                      .descriptorCount = 1,
-                      .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
-                      .pImmutableSamplers = nullptr};
+    bindings[slot] = {
+        .binding = slot,
+        .descriptorType =
+            slot < kFirstImageSlot ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+        .descriptorCount = 1,
+        .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+        .pImmutableSamplers = nullptr};
   }
   const VkDescriptorSetLayoutCreateInfo set{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                             .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
                                             .bindingCount = kSlots,
                                             .pBindings = bindings.data()};
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  check(vkCreateDescriptorSetLayout(device_.handle, &set, nullptr, &set_layout), "creating the descriptor layout");
+  check(vkCreateDescriptorSetLayout(device_.handle, &set, nullptr, &set_layout),
+        "creating the descriptor layout");
   set_layout_ = {device_.handle, set_layout};
   const VkPushConstantRange push{
       .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
@@ -322,9 +335,8 @@ void Context::submit(const std::function<void(VkCommandBuffer)>& record) {
   const OwnedFence owned(device_.handle, fence);
   const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                          .commandBuffer = commands};
-  const VkSubmitInfo2 submission{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                                 .commandBufferInfoCount = 1,
-                                 .pCommandBufferInfos = &buffer};
+  const VkSubmitInfo2 submission{
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &buffer};
   check(vkQueueSubmit2(queue_, 1, &submission, fence), "submitting");
   check(vkWaitForFences(device_.handle, 1, &fence, VK_TRUE, UINT64_MAX), "waiting");
 }

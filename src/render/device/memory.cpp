@@ -22,10 +22,12 @@ std::optional<std::uint32_t> find_memory_type(const Context& context, std::uint3
 
 OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRequirements& needs,
                      MemoryKind kind) {
-  constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  auto type = kind == MemoryKind::readback
-                  ? find_memory_type(context, needs.memoryTypeBits, kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
-                  : find_memory_type(context, needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  constexpr VkMemoryPropertyFlags kHost =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  auto type =
+      kind == MemoryKind::readback
+          ? find_memory_type(context, needs.memoryTypeBits, kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
+          : find_memory_type(context, needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   if (!type) type = find_memory_type(context, needs.memoryTypeBits, kind == MemoryKind::readback ? kHost : 0);
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                   .allocationSize = needs.size,
@@ -33,9 +35,10 @@ OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRe
   VkDeviceMemory memory = VK_NULL_HANDLE;
   const VkResult result = vkAllocateMemory(context.device(), &info, nullptr, &memory);
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) {
-    throw Error(ErrorKind::internal,
-                fmt::format("{}: {} has no {:.0f} MB left for the {}: try a smaller --size or another --technique",
-                            "Vulkan", context.info().name, static_cast<double>(needs.size) / 1e6, name));
+    throw Error(
+        ErrorKind::internal,
+        fmt::format("{}: {} has no {:.0f} MB left for the {}: try a smaller --size or another --technique",
+                    "Vulkan", context.info().name, static_cast<double>(needs.size) / 1e6, name));
   }
   check(result, "allocating memory");
   return {context.device(), memory};
@@ -46,17 +49,19 @@ OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRe
 Buffer::Buffer(Context& context, const std::string& name, std::uint64_t bytes, MemoryKind kind)
     : bytes_(std::max<std::uint64_t>(bytes, 16)) {
   if (kind == MemoryKind::device && bytes_ > context.info().max_buffer_bytes) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("the {} would take {:.0f} MB, and {} lets shaders address {:.0f} MB at once: try a "
-                            "smaller --size or another --technique",
-                            name, static_cast<double>(bytes_) / 1e6, context.info().name,
-                            static_cast<double>(context.info().max_buffer_bytes) / 1e6));
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("the {} would take {:.0f} MB, and {} lets shaders address {:.0f} MB at once: try a "
+                    "smaller --size or another --technique",
+                    name, static_cast<double>(bytes_) / 1e6, context.info().name,
+                    static_cast<double>(context.info().max_buffer_bytes) / 1e6));
   }
-  const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                .size = bytes_,
-                                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                                         VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
-                                         VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT};
+  const VkBufferCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+      .size = bytes_,
+      .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+               VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT};
   VkBuffer buffer = VK_NULL_HANDLE;
   check(vkCreateBuffer(context.device(), &info, nullptr, &buffer), "creating a buffer");
   buffer_ = {context.device(), buffer};

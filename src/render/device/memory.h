@@ -22,7 +22,8 @@ class Buffer {
   Buffer() = default;
   // `name` is what an error calls it ("fragment pool"). Storage, transfer, vertex and index use are allowed.
   // Throws Error{bad_argument} beyond what a shader can address, Error{internal} out of memory.
-  Buffer(Context& context, const std::string& name, std::uint64_t bytes, MemoryKind kind = MemoryKind::device);
+  Buffer(Context& context, const std::string& name, std::uint64_t bytes,
+         MemoryKind kind = MemoryKind::device);
   [[nodiscard]] VkBuffer get() const { return buffer_.get(); }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   explicit operator bool() const { return static_cast<bool>(buffer_); }
@@ -46,7 +47,9 @@ void upload(Context& context, const Buffer& buffer, std::span<const T> values) {
 struct ImageSpec {
   VkFormat format = VK_FORMAT_R32_SFLOAT;
   std::uint32_t width = 0, height = 0, layers = 1;
-  [[nodiscard]] bool depth() const { return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D32_SFLOAT_S8_UINT; }
+  [[nodiscard]] bool depth() const {
+    return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
+  }
 };
 
 // An attachment that shaders read by texelFetch. Its layout is GENERAL from its first use on.
@@ -55,7 +58,7 @@ class Image {
   Image() = default;
   Image(Context& context, const std::string& name, const ImageSpec& spec);
   [[nodiscard]] VkImage get() const { return image_.get(); }
-  [[nodiscard]] VkImageView view() const { return view_.get(); }            // all layers, as an attachment
+  [[nodiscard]] VkImageView view() const { return view_.get(); }             // all layers, as an attachment
   [[nodiscard]] VkImageView sampled_view() const { return sampled_.get(); }  // what shaders read: no stencil
   [[nodiscard]] const ImageSpec& spec() const { return spec_; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }

@@ -109,14 +109,14 @@ ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
   const VkPipelineInputAssemblyStateCreateInfo assembly{
       .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
       .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-  const VkPipelineViewportStateCreateInfo viewport{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-                                                   .viewportCount = 1,
-                                                   .scissorCount = 1};
-  VkPipelineRasterizationStateCreateInfo raster{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                .polygonMode = VK_POLYGON_MODE_FILL,
-                                                .cullMode = VK_CULL_MODE_NONE,
-                                                .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-                                                .lineWidth = 1};
+  const VkPipelineViewportStateCreateInfo viewport{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+  VkPipelineRasterizationStateCreateInfo raster{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+      .polygonMode = VK_POLYGON_MODE_FILL,
+      .cullMode = VK_CULL_MODE_NONE,
+      .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+      .lineWidth = 1};
   const VkPipelineMultisampleStateCreateInfo samples{
       .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
       .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
@@ -127,15 +127,17 @@ ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
       .attachmentCount = static_cast<std::uint32_t>(blends.size()),
       .pAttachments = blends.data()};
   const std::array<VkDynamicState, 2> dynamic{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  const VkPipelineDynamicStateCreateInfo dynamic_info{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-                                                      .dynamicStateCount = 2,
-                                                      .pDynamicStates = dynamic.data()};
+  const VkPipelineDynamicStateCreateInfo dynamic_info{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+      .dynamicStateCount = 2,
+      .pDynamicStates = dynamic.data()};
   const VkPipelineRenderingCreateInfo rendering{
       .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
       .colorAttachmentCount = static_cast<std::uint32_t>(spec.colors.size()),
       .pColorAttachmentFormats = spec.colors.data(),
       .depthAttachmentFormat = spec.depth,
-      .stencilAttachmentFormat = spec.depth == VK_FORMAT_D32_SFLOAT_S8_UINT ? spec.depth : VK_FORMAT_UNDEFINED};
+      .stencilAttachmentFormat =
+          spec.depth == VK_FORMAT_D32_SFLOAT_S8_UINT ? spec.depth : VK_FORMAT_UNDEFINED};
   const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                           .pNext = &rendering,
                                           .stageCount = static_cast<std::uint32_t>(stages.size()),

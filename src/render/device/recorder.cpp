@@ -9,11 +9,13 @@ namespace pellucid::render {
 
 Recorder::Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused)
     : context_(context), commands_(commands) {
-  for (VkDescriptorBufferInfo& buffer : buffers_) buffer = {.buffer = unused.get(), .offset = 0, .range = VK_WHOLE_SIZE};
+  for (VkDescriptorBufferInfo& buffer : buffers_)
+    buffer = {.buffer = unused.get(), .offset = 0, .range = VK_WHOLE_SIZE};
 }
 
 void Recorder::bind(Slot slot, const Buffer& buffer) {
-  buffers_.at(static_cast<std::uint32_t>(slot)) = {.buffer = buffer.get(), .offset = 0, .range = VK_WHOLE_SIZE};
+  buffers_.at(static_cast<std::uint32_t>(slot)) = {
+      .buffer = buffer.get(), .offset = 0, .range = VK_WHOLE_SIZE};
 }
 
 void Recorder::bind(Slot slot, const Image& image) {
@@ -34,8 +36,9 @@ void Recorder::prepare(const Image& image) {
       .newLayout = VK_IMAGE_LAYOUT_GENERAL,
       .image = image.get(),
       .subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = image.spec().layers}};
-  const VkDependencyInfo dependency{
-      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &transition};
+  const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                                    .imageMemoryBarrierCount = 1,
+                                    .pImageMemoryBarriers = &transition};
   vkCmdPipelineBarrier2(commands_, &dependency);
 }
 
@@ -55,7 +58,8 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t word) {
 }
 
 void Recorder::reset_active_pixels(const Buffer& counters) {
-  vkCmdFillBuffer(commands_, counters.get(), offsetof(Counters, active_pixels), sizeof(Counters::active_pixels), 0);
+  vkCmdFillBuffer(commands_, counters.get(), offsetof(Counters, active_pixels),
+                  sizeof(Counters::active_pixels), 0);
 }
 
 void Recorder::push_state(VkPipelineBindPoint point) {
@@ -91,7 +95,8 @@ void Recorder::number_stencils(const VkRect2D& area, std::uint32_t layers) {
 
 void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments) {
   ++geometry_passes_;
-  const VkAttachmentLoadOp load = attachments.clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+  const VkAttachmentLoadOp load =
+      attachments.clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
   std::vector<VkRenderingAttachmentInfo> colors;
   for (const Image* image : attachments.colors) {
     colors.push_back({.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -137,9 +142,10 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
     const OwnedPipeline& chosen = range.culled ? pipeline.culled : pipeline.two_sided;
     vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, chosen.get());
     push_.first_triangle = range.first_triangle;
-    vkCmdPushConstants(commands_, context_.pipeline_layout(),
-                       VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                       sizeof push_, &push_);
+    vkCmdPushConstants(
+        commands_, context_.pipeline_layout(),
+        VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
+        sizeof push_, &push_);
     vkCmdDrawIndexed(commands_, 3 * range.triangles, attachments.layers, 3 * range.first_triangle, 0, 0);
   }
   vkCmdEndRendering(commands_);
@@ -150,17 +156,18 @@ void Recorder::dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, s
   push_state(VK_PIPELINE_BIND_POINT_COMPUTE);
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
   vkCmdPushConstants(commands_, context_.pipeline_layout(),
-                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                     sizeof push_, &push_);
+                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+                     0, sizeof push_, &push_);
   vkCmdDispatch(commands_, groups_x, groups_y, 1);
 }
 
-void Recorder::dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset) {
+void Recorder::dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments,
+                                 std::uint64_t offset) {
   push_state(VK_PIPELINE_BIND_POINT_COMPUTE);
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
   vkCmdPushConstants(commands_, context_.pipeline_layout(),
-                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                     sizeof push_, &push_);
+                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+                     0, sizeof push_, &push_);
   vkCmdDispatchIndirect(commands_, arguments.get(), offset);
 }
 

@@ -1,7 +1,8 @@
-// recorder.h - what a technique says to the device: draw the scene into these attachments, run this kernel, wait.
+// recorder.h - what a technique says to the device: draw the scene into these attachments, run this kernel,
+// wait.
 //
-// All images stay in the layout GENERAL, and `barrier` makes everything before it visible to everything after it:
-// passes over a whole picture are long, and what a finer barrier saves is not measurable beside them.
+// All images stay in the layout GENERAL, and `barrier` makes everything before it visible to everything after
+// it: passes over a whole picture are long, and what a finer barrier saves is not measurable beside them.
 #pragma once
 
 #include <array>
@@ -17,9 +18,27 @@ struct GpuScene;
 
 // Slots of the descriptor set: shaders/interface/frame.glsl.
 enum class Slot : std::uint32_t {
-  frame, triangles, surfaces, counters, picture, state_front, state_group, dump,
-  a, b, c, d, indices, positions, state_back, state_back_group, objects, e,
-  image_0, image_1, image_2
+  frame,
+  triangles,
+  surfaces,
+  counters,
+  picture,
+  state_front,
+  state_group,
+  dump,
+  a,
+  b,
+  c,
+  d,
+  indices,
+  positions,
+  state_back,
+  state_back_group,
+  objects,
+  e,
+  image_0,
+  image_1,
+  image_2
 };
 
 struct PushConstants {
@@ -32,12 +51,12 @@ static_assert(sizeof(PushConstants) <= kPushBytes);
 struct Attachments {
   std::vector<const Image*> colors;
   const Image* depth = nullptr;
-  bool clear = true;                       // colours to `clear_color`, depth to 1; else loaded
+  bool clear = true;  // colours to `clear_color`, depth to 1; else loaded
   VkClearColorValue clear_color{};
-  std::uint32_t width = 0, height = 0;     // of the pass
-  std::int32_t first_row = 0;              // of the band in the picture
+  std::uint32_t width = 0, height = 0;  // of the pass
+  std::int32_t first_row = 0;           // of the band in the picture
   std::uint32_t picture_height = 0;
-  std::uint32_t layers = 1;                // more: one instance to each; stencils start at their layer + 2
+  std::uint32_t layers = 1;  // more: one instance to each; stencils start at their layer + 2
 };
 
 class Recorder {

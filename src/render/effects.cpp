@@ -9,7 +9,7 @@
 namespace pellucid {
 
 std::span<const NamedEffect> render_effects() {
-  static const std::array<NamedEffect, 7> effects{
+  static const std::array<NamedEffect, 7> kEffects{
       {{Effect::transparency, "transparency", "all surfaces blended in depth order"},
        {Effect::wireframe, "wireframe", "the same with opaque edges, hidden ones too"},
        {Effect::csg, "csg", "union, intersection or difference of closed solids"},
@@ -17,7 +17,7 @@ std::span<const NamedEffect> render_effects() {
        {Effect::coplanarity, "coplanarity", "how many fragments share a depth"},
        {Effect::complexity, "complexity", "how many fragments a pixel has"},
        {Effect::thickness, "thickness", "how much of closed solids light goes through"}}};
-  return effects;
+  return kEffects;
 }
 
 namespace render {

@@ -104,8 +104,9 @@ std::optional<std::array<double, 2>> Reference::on_screen(const Vec3f& position)
 }
 
 void Reference::draw_edges(std::uint64_t p, Shaded& shaded) const {
+  const std::uint64_t row = p / camera_.width;
   const std::array<double, 2> center{static_cast<double>(p % camera_.width) + 0.5,
-                                     static_cast<double>(p / camera_.width) + 0.5};
+                                     static_cast<double>(row) + 0.5};
   for (ShadedFragment& f : shaded) {
     const Triangle& t = scene_.triangles[triangle_of(f.node)];
     double nearest = 1e9;

@@ -304,12 +304,12 @@ std::vector<std::string> Renderer::validation_messages() const {
 }
 
 std::span<const TechniqueInfo> render_techniques() {
-  static const std::vector<TechniqueInfo> infos = [] {
+  static const std::vector<TechniqueInfo> kInfos = [] {
     std::vector<TechniqueInfo> list;
     for (const render::TechniqueEntry& entry : render::technique_entries()) list.push_back(entry.info);
     return list;
   }();
-  return infos;
+  return kInfos;
 }
 
 std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device) {

@@ -4,11 +4,11 @@
 namespace pellucid::render {
 
 const std::vector<TechniqueEntry>& technique_entries() {
-  static const std::vector<TechniqueEntry> entries{
+  static const std::vector<TechniqueEntry> kEntries{
       k_buffer(),         multi_k_buffer(), stencil_routing(), uniform_buckets(), bucketed_lists(),
       adaptive_buckets(), fixed_arrays(),   linked_lists(),    s_buffer(),
   };
-  return entries;
+  return kEntries;
 }
 
 }  // namespace pellucid::render

@@ -282,6 +282,7 @@ class OverdrawOrderer {
   // options, or so few misses are not to be had with them.
   bool refine_single(const Patches& coarse, Stopwatch& lap) {
     if (subject_.frames.size() > 1 || options_.buffers > 1 || options_.lambda >= kNoCache) return false;
+    if (subject_.triangles.size() > kMostCompactTriangles) return false;
     run_.seconds.patches = lap.lap();
     rasterize_training(single_triangles(subject_));
     run_.seconds.raster = lap.lap();
@@ -438,7 +439,9 @@ class OverdrawOrderer {
   // Views that tell how deep the pixels are.
   static constexpr std::uint64_t kPilotViews = 32;
   // Orders for all views have slightly other misses than those for some.
-  static constexpr double kAcmrMargin = 0.994;
+  static // Larger meshes are cut into runs: moving single triangles takes more than a minute per 100,000.
+constexpr std::size_t kMostCompactTriangles = 100'000;
+constexpr double kAcmrMargin = 0.994;
   static constexpr int kStarts = 3;
   static constexpr std::uint32_t kStartRounds = 6;
   static constexpr std::uint32_t kDistanceRounds = 30;  // it converges in a few

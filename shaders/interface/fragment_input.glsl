@@ -50,11 +50,13 @@ float to_the_48th(float x) {
   return x16 * x16 * x16;
 }
 
+// Here, not where it is needed: in a branch that not all pixels of a quad take, derivatives are undefined.
+vec3 lit_face = cross(dFdx(world_position), dFdy(world_position));
+
 vec4 lit_color() {
   const vec4 surface = surfaces[triangles[fragment_triangle()].object];
   const vec3 to_eye = frame.eye.w != 0.0 ? normalize(frame.eye.xyz - world_position) : frame.to_viewer.xyz;
-  vec3 face = cross(dFdx(world_position), dFdy(world_position));
-  if (dot(face, to_eye) < 0.0) face = -face;
+  const vec3 face = dot(lit_face, to_eye) < 0.0 ? -lit_face : lit_face;
   vec3 normal = dot(world_normal, world_normal) > 0.0 ? world_normal : face;
   normal = normalize(dot(normal, face) < 0.0 ? -normal : normal);
   const float facing = clamp(dot(normal, to_eye), 0.0, 1.0);

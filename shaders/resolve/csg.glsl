@@ -24,6 +24,8 @@ void csg_fold(inout State s, Fragment f, bool nearest_last) {
     csg_close(s, nearest_last);
     s.word.y = depth;
     s.word.z = (f.color & 0x00FFFFFFu) | (csg_value(s.word.x) ? 0x01000000u : 0u);
+  } else if (nearest_last) {
+    s.word.z = (f.color & 0x00FFFFFFu) | (s.word.z & 0x01000000u);
   }
   s.word.x ^= 1u << object_of(f.id);
 }

@@ -19,7 +19,25 @@ set(PELLUCID_SHADERS
   "capture/fill_lists.frag|capture/fill_lists.frag|"
   "capture/fill_ranges.frag|capture/fill_ranges.frag|"
   "capture/offsets.comp|capture/offsets.comp|"
-  "resolve/clear_tiles.comp|resolve/clear_tiles.comp|")
+  "capture/peel_depth.frag|capture/peel_depth.frag|"
+  "capture/peel_depth_resumes.frag|capture/peel_depth.frag|RESUMES"
+  "capture/peel_image.frag|capture/peel_image.frag|"
+  "resolve/clear_tiles.comp|resolve/clear_tiles.comp|"
+  "resolve/finish_layers_1.comp|resolve/finish_layers.comp|SIDES=1"
+  "resolve/finish_layers_2.comp|resolve/finish_layers.comp|SIDES=2"
+  "resolve/layers_image.comp|resolve/layers.comp|IMAGE"
+  # Front to back without depth test.
+  "capture/peel_pairs_1.frag|capture/peel_ends.frag|PAIRS SEARCH SIDES=1"
+  "resolve/layers_pairs_1.comp|resolve/layers.comp|PAIRS SEARCH SIDES=1")
+# What a round finds in a layer: with the depth test, and from both ends without it.
+foreach(storage pairs lists arrays chains)
+  string(TOUPPER ${storage} define)
+  list(APPEND PELLUCID_SHADERS
+    "capture/peel_${storage}.frag|capture/peel_equal.frag|${define}"
+    "resolve/layers_${storage}.comp|resolve/layers.comp|${define}"
+    "capture/peel_${storage}_2.frag|capture/peel_ends.frag|${define} SEARCH SIDES=2"
+    "resolve/layers_${storage}_2.comp|resolve/layers.comp|${define} SEARCH SIDES=2")
+endforeach()
 foreach(storage ranges lists arrays layers)
   string(TOUPPER ${storage} define)
   list(APPEND PELLUCID_SHADERS "resolve/classify_${storage}.comp|resolve/classify.comp|${define}")

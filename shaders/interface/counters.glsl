@@ -7,7 +7,7 @@ layout(std430, set = 0, binding = SLOT_COUNTERS) buffer Counters {
   uint captured;     // fragments folded
   uint coplanar;     // of them at the depth of another one of their pixel
   uint overflowed;   // fragments that found no place
-  uint active_pixels;  // pixels that the last round gave something to
+  uint active_pixels;  // pixels that the next round may find something for
   uint rounds;
   uint covered;      // pixels with fragments
   uint deepest;      // most fragments of a pixel

@@ -49,7 +49,7 @@ void main() {
                     (pixel_counted || coplanar > 0u ? kCountedPixel : uint64_t(0));
     }
     picture[index] = effect_finish(state);
-    tally(captured, coplanar, !pixel_counted);
+    tally(captured, coplanar, !pixel_counted, captured == kK);
   }
   end_tally();
 }

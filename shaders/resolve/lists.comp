@@ -120,7 +120,7 @@ void main() {
     state = effect_init();
     for (uint bucket = 0u; bucket < bucket_count(); ++bucket) fold_bucket(index, bucket);
     picture[index] = effect_finish(state);
-    tally(folded, coplanar, true);
+    tally(folded, coplanar, true, false);
   }
   end_tally();
 }

@@ -14,12 +14,10 @@ void begin_tally() {
   barrier();
 }
 
-// `new_pixel`: no earlier round counted it as one with coplanar fragments.
-void tally(uint captured, uint coplanar, bool new_pixel) {
-  if (captured > 0u) {
-    atomicAdd(captured_sum, captured);
-    atomicAdd(active_sum, 1u);
-  }
+// `new_pixel`: no earlier round counted it as one with coplanar fragments. `active`: the next round may find more.
+void tally(uint captured, uint coplanar, bool new_pixel, bool active) {
+  if (captured > 0u) atomicAdd(captured_sum, captured);
+  if (active) atomicAdd(active_sum, 1u);
   if (coplanar > 0u) {
     atomicAdd(coplanar_sum, coplanar);
     if (new_pixel) atomicAdd(coplanar_pixels_sum, 1u);
@@ -29,10 +27,8 @@ void tally(uint captured, uint coplanar, bool new_pixel) {
 void end_tally() {
   barrier();
   if (gl_LocalInvocationIndex != 0u) return;
-  if (captured_sum > 0u) {
-    atomicAdd(counters.captured, captured_sum);
-    atomicAdd(counters.active_pixels, active_sum);
-  }
+  if (captured_sum > 0u) atomicAdd(counters.captured, captured_sum);
+  if (active_sum > 0u) atomicAdd(counters.active_pixels, active_sum);
   if (coplanar_sum > 0u) {
     atomicAdd(counters.coplanar, coplanar_sum);
     atomicAdd(counters.coplanar_pixels, coplanar_pixels_sum);

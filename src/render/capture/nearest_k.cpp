@@ -3,6 +3,8 @@
 // of 64-bit atomic minima, which needs no order of the fragments, unlike the k-buffer of Bavoil et al. (I3D
 // 2007), and no second try, unlike that of Liu et al. (2009); a second pass over the fragments brings the
 // colours.
+#include <cstddef>
+
 #include "buffer_techniques.h"
 
 namespace pellucid::render {
@@ -38,7 +40,7 @@ class NearestK final : public Technique {
     recorder.bind(Slot::c, colors_);
     recorder.bind(Slot::state_front, states_);
     recorder.push().round = round;
-    recorder.reset_active_pixels(frame.counters);
+    recorder.fill(frame.counters, 0, offsetof(Counters, active_pixels), sizeof(std::uint32_t));
     recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, k, 0}),
                       frame.tiles_x(), frame.tiles_y());
     recorder.barrier();
@@ -74,7 +76,7 @@ TechniqueEntry multi_k_buffer() {
            .title = "the k nearest fragments a round, until all are there",
            .paper = "Liu et al. 2009",
            .captures = "all",
-           .passes_formula = "2 ceil((N + 1) / K)",
+           .passes_formula = "2 (floor(N / K) + 1)",
            .bytes_formula = "12 K + 40",
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<NearestK>(true)); }};

@@ -1,9 +1,7 @@
 // Recording: see recorder.h.
 #include "recorder.h"
 
-#include <cstddef>
-
-#include "../frame.h"
+#include "../gpu_scene.h"
 
 namespace pellucid::render {
 
@@ -54,12 +52,11 @@ void Recorder::barrier() {
 }
 
 void Recorder::fill(const Buffer& buffer, std::uint32_t word) {
-  vkCmdFillBuffer(commands_, buffer.get(), 0, VK_WHOLE_SIZE, word);
+  fill(buffer, word, 0, VK_WHOLE_SIZE);
 }
 
-void Recorder::reset_active_pixels(const Buffer& counters) {
-  vkCmdFillBuffer(commands_, counters.get(), offsetof(Counters, active_pixels),
-                  sizeof(Counters::active_pixels), 0);
+void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes) {
+  vkCmdFillBuffer(commands_, buffer.get(), offset, bytes, word);
 }
 
 void Recorder::push_state(VkPipelineBindPoint point) {
@@ -110,7 +107,7 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
   if (attachments.depth != nullptr) {
     depth.imageView = attachments.depth->view();
     depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
-    depth.loadOp = load;
+    depth.loadOp = attachments.load_depth ? VK_ATTACHMENT_LOAD_OP_LOAD : load;
     depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     depth.clearValue.depthStencil = {.depth = 1.0F, .stencil = 0};
   }

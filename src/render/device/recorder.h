@@ -51,7 +51,8 @@ static_assert(sizeof(PushConstants) <= kPushBytes);
 struct Attachments {
   std::vector<const Image*> colors;
   const Image* depth = nullptr;
-  bool clear = true;  // colours to `clear_color`, depth to 1; else loaded
+  bool clear = true;        // colours to `clear_color`, depth to 1; else loaded
+  bool load_depth = false;  // with `clear`: only the colours
   VkClearColorValue clear_color{};
   std::uint32_t width = 0, height = 0;  // of the pass
   std::int32_t first_row = 0;           // of the band in the picture
@@ -72,8 +73,7 @@ class Recorder {
   void prepare(const Image& image);
   void barrier();
   void fill(const Buffer& buffer, std::uint32_t word);
-  // At the start of a round, before what counts them.
-  void reset_active_pixels(const Buffer& counters);
+  void fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes);
 
   // One geometry pass: all triangles of the scene.
   void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments);

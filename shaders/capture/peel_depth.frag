@@ -1,0 +1,17 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "peeled.glsl"
+// Front to back, first pass: the depth test finds the next layer. With RESUMES it stays at the last one where that has
+// fragments left (B: see layers.glsl).
+#if defined(RESUMES)
+layout(std430, set = 0, binding = SLOT_B) readonly buffer Windows { uvec2 windows[]; };
+#endif
+void main() {
+#if defined(RESUMES)
+  const bool resumed = windows[pixel_index(uvec2(gl_FragCoord.xy))].x != 0u;
+#else
+  const bool resumed = false;
+#endif
+  if (is_peeled(resumed)) discard;
+}

@@ -1,0 +1,222 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#if defined(CHAINS)
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#endif
+#include "../interface/frame.glsl"
+#include "../interface/counters.glsl"
+#include "effects.glsl"
+#include "../capture/layers.glsl"
+#include "delivered.glsl"
+// After a round of peeling: fold what it delivered into the states of each pixel, empty its storage for the next round,
+// and with SEARCH go on to the layers that it found.
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std430, set = 0, binding = SLOT_STATE_FRONT) buffer FrontStates { State front_states[]; };
+#if SIDES == 2
+layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer BackStates { State back_states[]; };
+#endif
+#if defined(PAIRS)
+// Of layers that take several rounds: at the near end the largest ids so far, which are behind those to come; at the
+// far end the smallest ones.
+layout(std430, set = 0, binding = SLOT_STATE_GROUP) buffer FrontGroups { State front_groups[]; };
+#if SIDES == 2
+layout(std430, set = 0, binding = SLOT_STATE_BACK_GROUP) buffer BackGroups { State back_groups[]; };
+#endif
+#endif
+#if !defined(IMAGE)
+// Coplanar fragments so far.
+layout(std430, set = 0, binding = SLOT_D) buffer Coplanar { uint coplanar_before[]; };
+#endif
+#if !defined(SEARCH)
+layout(set = 0, binding = SLOT_IMAGE_1) uniform texture2D layer;
+#endif
+shared uint captured_sum, coplanar_sum, coplanar_pixels_sum, overflowed_sum, active_sum;
+
+uint captured = 0u;
+uint coplanar = 0u;
+uint overflowed = 0u;
+const bool kFar = true;
+
+void step_front(inout State s, uint pixel, Fragment f) {
+  if (!effect_is_done(s)) effect_step(s, pixel, f);
+}
+
+// Returns whether the layer has more fragments, for another round.
+#if defined(PAIRS)
+void fold_front_pair(uint pixel, Fragment first, Fragment last, bool two, bool more) {
+  State s = front_states[pixel];
+  step_front(s, pixel, first);
+  if (!effect_blends()) {
+    if (two) effect_step(s, pixel, last);
+  } else if (two) {
+    State group = front_groups[pixel];
+    effect_step_back(group, pixel, last);
+    if (!more) effect_merge(s, group);
+    front_groups[pixel] = more ? group : effect_init();
+  } else {
+    effect_merge(s, front_groups[pixel]);
+    front_groups[pixel] = effect_init();
+  }
+  front_states[pixel] = s;
+}
+
+#if SIDES == 2
+// Effects that do not blend get the smallest id of a layer last, as they would if they came from the far end one by
+// one: the place of their group keeps it till then.
+void fold_back_pair(uint pixel, Fragment first, Fragment last, bool two, bool begins, bool more) {
+  State s = back_states[pixel];
+  State group = back_groups[pixel];
+  if (effect_blends()) {
+    effect_step_back(s, pixel, two ? last : first);
+    if (two) effect_step(group, pixel, first);
+    if (!more) {
+      effect_merge(group, s);
+      s = group;
+      group = effect_init();
+    }
+  } else {
+    if (two) effect_step_back(s, pixel, last);
+    if (begins) group.word.xy = uvec2(first.id, first.color);
+    else effect_step_back(s, pixel, first);
+    if (!more) effect_step_back(s, pixel, Fragment(first.z, group.word.x, group.word.y));
+  }
+  back_states[pixel] = s;
+  back_groups[pixel] = group;
+}
+#endif
+
+bool fold(uint pixel, ivec2 at, uint end, bool far, float z) {
+  const Pair pair = pairs[end];
+  if (pair.count == 0u) return false;
+  const bool begins = windows[end].x == 0u;
+  const bool two = pair.count > 1u;
+  const bool more = pair.count > 2u;
+  const Fragment first = Fragment(z, ~pair.smallest_complement, pair.smallest_color);
+  const Fragment last = Fragment(z, pair.largest, pair.largest_color);
+#if SIDES == 2
+  if (far) fold_back_pair(pixel, first, last, two, begins, more);
+  else
+#endif
+  fold_front_pair(pixel, first, last, two, more);
+  captured += two ? 2u : 1u;
+  if (two || !begins) coplanar += two ? 2u : 1u;
+  pairs[end] = Pair(0u, 0u, 0u, 0u, 0u);
+  windows[end] = more ? uvec2(first.id, last.id) : uvec2(0u);
+  return more;
+}
+#else
+bool fold(uint pixel, ivec2 at, uint end, bool far, float z) {
+  Fragment f = Fragment(z, 0u, 0u);
+  uint count = 0u;
+  if (!next_delivered(end, at, far, count, 0u, f)) return false;
+  State s = front_states[pixel];
+#if SIDES == 2
+  if (far) s = back_states[pixel];
+#endif
+  do {
+    if (far) effect_step_back(s, pixel, f);
+    else step_front(s, pixel, f);
+    ++count;
+  } while (next_delivered(end, at, far, count, f.id, f));
+#if SIDES == 2
+  if (far) back_states[pixel] = s;
+  else
+#endif
+  front_states[pixel] = s;
+  captured += count;
+
+  bool more = false;
+  bool begins = true;
+#if defined(CHAINS)
+  if (resumes()) {
+    begins = windows[end].x == 0u;
+    more = windows[end].y != 0u;
+    windows[end] = uvec2(more ? f.id : 0u, 0u);
+  }
+  for (uint i = 0u; i < count; ++i) chains[kK * end + i] = kEmpty;
+#elif defined(LISTS)
+  overflowed += group_length - count;
+  heads[end] = kNone;
+#elif defined(ARRAYS)
+  overflowed += counts[end] - count;
+  counts[end] = 0u;
+#endif
+  if (count > 1u || more || !begins) coplanar += count;
+  return more;
+}
+#endif
+
+// Returns whether another round may find something.
+bool fold_pixel(uint pixel, ivec2 at) {
+  if (push.round == 0u) {
+    front_states[pixel] = effect_init();
+#if SIDES == 2
+    back_states[pixel] = effect_init();
+#endif
+#if defined(PAIRS)
+    front_groups[pixel] = effect_init();
+#if SIDES == 2
+    back_groups[pixel] = effect_init();
+#endif
+#endif
+  }
+#if defined(SEARCH)
+  uvec2 near = depths[near_end(pixel)];
+  if (push.round == 0u) near.x = 0u;
+  if (near.x != kNone) {
+    const bool more = near.x != 0u && fold(pixel, at, near_end(pixel), !kFar, depth_of(near.x));
+    if (!more) near.x = ~near.y;
+    depths[near_end(pixel)] = uvec2(near.x, 0u);
+  }
+#if SIDES == 2
+  uvec2 far = depths[far_end(pixel)];
+  if (push.round == 0u) far.x = kNone;
+  if (far.x != 0u) {
+    const bool more = far.x != kNone && fold(pixel, at, far_end(pixel), kFar, depth_of(far.x));
+    if (!more) far.x = far.y;
+    // The last layer of all belongs to the near end.
+    if (far.x == near.x) far.x = 0u;
+    depths[far_end(pixel)] = uvec2(far.x, 0u);
+  }
+  return near.x != kNone || far.x != 0u;
+#else
+  return near.x != kNone;
+#endif
+#else
+  fold(pixel, at, near_end(pixel), !kFar, texelFetch(layer, at, 0).x);
+  return captured > 0u;
+#endif
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0u) {
+    captured_sum = 0u;
+    coplanar_sum = 0u;
+    coplanar_pixels_sum = 0u;
+    overflowed_sum = 0u;
+    active_sum = 0u;
+  }
+  barrier();
+  if (all(lessThan(gl_GlobalInvocationID.xy, frame.size))) {
+    const uint pixel = pixel_index(gl_GlobalInvocationID.xy);
+    if (fold_pixel(pixel, ivec2(gl_GlobalInvocationID.xy))) atomicAdd(active_sum, 1u);
+    if (captured > 0u) atomicAdd(captured_sum, captured);
+    if (overflowed > 0u) atomicAdd(overflowed_sum, overflowed);
+#if !defined(IMAGE)
+    if (coplanar > 0u) {
+      atomicAdd(coplanar_sum, coplanar);
+      if (coplanar_before[pixel] == 0u) atomicAdd(coplanar_pixels_sum, 1u);
+      coplanar_before[pixel] += coplanar;
+    }
+#endif
+  }
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  if (active_sum > 0u) atomicAdd(counters.active_pixels, active_sum);
+  if (captured_sum > 0u) atomicAdd(counters.captured, captured_sum);
+  if (overflowed_sum > 0u) atomicAdd(counters.overflowed, overflowed_sum);
+  if (coplanar_sum > 0u) {
+    atomicAdd(counters.coplanar, coplanar_sum);
+    atomicAdd(counters.coplanar_pixels, coplanar_pixels_sum);
+  }
+}

@@ -45,8 +45,8 @@ TEST(Reference, BlendsFrontToBack) {
 
 // Two boxes that share the plane x = 0.5, and a third inside the first that shares its front.
 TEST(Reference, DifferenceLeavesNoSkinWhereFacesCoincide) {
-  const RenderScene scene = testing::joined(testing::box({0.125F, 0.125F, 0.25F}, {0.875F, 0.875F, 0.75F}),
-                                            testing::box({0.375F, 0.375F, 0.25F}, {0.625F, 0.625F, 0.75F}));
+  const RenderScene scene = testing::joined(testing::closed_box({0.125F, 0.125F, 0.25F}, {0.875F, 0.875F, 0.75F}),
+                                            testing::closed_box({0.375F, 0.375F, 0.25F}, {0.625F, 0.625F, 0.75F}));
   const Camera camera = testing::unit_camera(32, 32);
   const RenderResult difference = draw_reference(scene, camera, of(Effect::csg, CsgOperation::difference));
   EXPECT_EQ(pixel_at(difference, 16, 16), kWhite);  // drilled through: nothing is left
@@ -59,10 +59,10 @@ TEST(Reference, DifferenceLeavesNoSkinWhereFacesCoincide) {
 }
 
 TEST(Reference, CollisionNeedsTwoInsidesOfOneObject) {
-  RenderScene touching = testing::joined(testing::box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.5F}),
-                                         testing::box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
-  RenderScene overlapping = testing::joined(testing::box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.625F}),
-                                            testing::box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
+  RenderScene touching = testing::joined(testing::closed_box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.5F}),
+                                         testing::closed_box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
+  RenderScene overlapping = testing::joined(testing::closed_box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.625F}),
+                                            testing::closed_box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
   const Camera camera = testing::unit_camera(16, 16);
   EXPECT_FALSE(is_red(pixel_at(draw_reference(overlapping, camera, of(Effect::self_collision)), 8, 8)));
   for (RenderScene* scene : {&touching, &overlapping}) scene->objects.assign(scene->objects.size(), 0);
@@ -81,7 +81,7 @@ TEST(Reference, CoplanarGroupsAreCounted) {
 }
 
 TEST(Reference, ThicknessIsThatOfTheSolid) {
-  const RenderScene scene = testing::box({0.25F, 0.25F, 0.25F}, {0.75F, 0.75F, 0.75F});
+  const RenderScene scene = testing::closed_box({0.25F, 0.25F, 0.25F}, {0.75F, 0.75F, 0.75F});
   const RenderResult result = draw_reference(scene, testing::unit_camera(16, 16), of(Effect::thickness));
   EXPECT_NEAR(pixel_at(result, 8, 8).x, std::exp(-4.5), 1e-6);
   EXPECT_EQ(pixel_at(result, 0, 0), kWhite);
@@ -123,8 +123,8 @@ TEST_P(OnDevice, StackOfCoplanarTriangles) {
 }
 
 TEST_P(OnDevice, BoxesInPerspective) {
-  const RenderScene scene = testing::joined(testing::box({0, 0, 0}, {1, 1, 1}),
-                                            testing::box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
+  const RenderScene scene = testing::joined(testing::closed_box({0, 0, 0}, {1, 1, 1}),
+                                            testing::closed_box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
   const Camera camera = look_at_sphere({{0.7, 0.5, 0.5}, 1.1}, {normalized(Vec3d{0.4, 0.5, 1}), 3}, 80, 60);
   for (const CsgOperation csg :
        {CsgOperation::union_of_all, CsgOperation::intersection, CsgOperation::difference}) {
@@ -134,8 +134,8 @@ TEST_P(OnDevice, BoxesInPerspective) {
 }
 
 TEST_P(OnDevice, SingleSidedSurfaces) {
-  RenderScene scene = testing::joined(testing::box({0, 0, 0}, {1, 1, 1}),
-                                      testing::box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
+  RenderScene scene = testing::joined(testing::closed_box({0, 0, 0}, {1, 1, 1}),
+                                      testing::closed_box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
   scene.surfaces[1].double_sided = false;
   const Camera camera = look_at_sphere({{0.7, 0.5, 0.5}, 1.1}, {normalized(Vec3d{0.4, 0.5, 1}), 3}, 80, 60);
   expect_as_reference(scene, camera, of(GetParam().effect));

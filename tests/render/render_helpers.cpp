@@ -19,6 +19,21 @@ void add_triangle(RenderScene& scene, const Vec3f& a, const Vec3f& b, const Vec3
   scene.objects.push_back(static_cast<std::uint32_t>(scene.surfaces.size() - 1));
 }
 
+void add_box(RenderScene& scene, const Vec3f& low, const Vec3f& high, std::uint32_t object) {
+  const auto corner = [&](std::size_t c) {
+    return Vec3f{(c & 1U) != 0 ? high.x : low.x, (c & 2U) != 0 ? high.y : low.y, (c & 4U) != 0 ? high.z : low.z};
+  };
+  // Counter-clockwise, seen from outside.
+  constexpr std::array<std::array<std::size_t, 4>, 6> kFaces{
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}}};
+  for (const auto& face : kFaces) {
+    add_triangle(scene, corner(face[0]), corner(face[1]), corner(face[2]));
+    scene.objects.back() = object;
+    add_triangle(scene, corner(face[0]), corner(face[2]), corner(face[3]));
+    scene.objects.back() = object;
+  }
+}
+
 // Multiples of 1/64: exact in fixed and in floating point.
 float on_grid(Random& random) {
   return static_cast<float>(random.below(65)) / 64.0F;
@@ -75,19 +90,31 @@ RenderScene coplanar_squares(std::uint32_t copies, float depth) {
   return scene;
 }
 
-RenderScene box(const Vec3f& low, const Vec3f& high) {
+RenderScene closed_box(const Vec3f& low, const Vec3f& high) {
   RenderScene scene;
-  scene.surfaces.push_back({.color = {0.5F, 0.4F, 0.2F}, .alpha = 0.4F});
-  const auto corner = [&](unsigned bits) {
-    return Vec3f{(bits & 1U) != 0 ? high.x : low.x, (bits & 2U) != 0 ? high.y : low.y,
-                 (bits & 4U) != 0 ? high.z : low.z};
+  scene.surfaces.push_back({.color = {0.3F, 0.6F, 0.2F}, .alpha = 0.4F});
+  add_box(scene, low, high, 0);
+  return scene;
+}
+
+RenderScene random_boxes(std::uint64_t seed, std::size_t boxes, std::uint32_t objects) {
+  Random random(seed);
+  RenderScene scene;
+  for (std::uint32_t object = 0; object < objects; ++object) {
+    const float hue = static_cast<float>(object) / static_cast<float>(objects);
+    scene.surfaces.push_back({.color = {hue, 0.5F, 1 - hue}, .alpha = 0.2F + 0.3F * hue});
+  }
+  const auto interval = [&] {
+    const std::uint64_t a = random.below(8);
+    const std::uint64_t b = a + 1 + random.below(8 - a);
+    return std::array<float, 2>{static_cast<float>(a) / 8, static_cast<float>(b) / 8};
   };
-  // Counter-clockwise from outside: left, right, bottom, top, far (-z), near (+z).
-  constexpr std::array<std::array<unsigned, 4>, 6> kFaces{
-      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-  for (const auto& f : kFaces) {
-    add_triangle(scene, corner(f[0]), corner(f[1]), corner(f[2]));
-    add_triangle(scene, corner(f[0]), corner(f[2]), corner(f[3]));
+  for (std::size_t i = 0; i < boxes; ++i) {
+    const auto x = interval();
+    const auto y = interval();
+    const auto z = interval();
+    const auto object = static_cast<std::uint32_t>(random.below(objects));
+    add_box(scene, {x[0], y[0], z[0]}, {x[1], y[1], z[1]}, object);
   }
   return scene;
 }

@@ -18,8 +18,10 @@ std::string first_validation_message();
 RenderScene random_stack(std::uint64_t seed, std::size_t triangles);
 // `copies` squares of two triangles each over the whole picture, at one depth.
 RenderScene coplanar_squares(std::uint32_t copies, float depth);
-// A closed box, faces outward, one object.
-RenderScene box(const Vec3f& low, const Vec3f& high);
+// One closed box, one object.
+RenderScene closed_box(const Vec3f& low, const Vec3f& high);
+// Closed boxes with corners on a grid, so that many faces coincide; each belongs to one of `objects` objects.
+RenderScene random_boxes(std::uint64_t seed, std::size_t boxes, std::uint32_t objects);
 // Two scenes as one; the second's objects after the first's.
 RenderScene joined(const RenderScene& a, const RenderScene& b);
 // Of a mesh, as one object.

@@ -1,14 +1,16 @@
 // Where an object runs through itself: a ray that is inside of it enters it once more. At most 8 objects.
-// word: how often inside (4 bits an object); the same for fronts at the depth word.z, which count once that depth
+// word: how often inside (4 bits an object, plus 8: where faces are closer than depths are exact a ray may leave
+// before it enters, and comes out even; beyond -8..7 it wraps); fronts at the depth word.z, which count once that depth
 // is left, so that parts that only touch do not collide; the nearest colour, bit 31: a collision was found.
-State self_collision_init() { return State(vec4(0.0), uvec4(0u, 0u, kNone, 0u)); }
+State self_collision_init() { return State(vec4(0.0), uvec4(0x88888888u, 0u, kNone, 0u)); }
 
-// All objects at once: nibbles do not overflow unless something is inside of itself 15 times.
+// All objects at once.
 void self_collision_close(inout State s) {
   const uint entered = s.word.y;
   const uint some = (entered | entered >> 1 | entered >> 2 | entered >> 3) & 0x11111111u;
   s.word.x += entered;
-  if ((s.word.x & 0xEEEEEEEEu & (some * 15u)) != 0u) s.word.w |= 0x80000000u;
+  const uint twice = s.word.x >> 3 & (s.word.x >> 2 | s.word.x >> 1);  // 10 and more, in the lowest bit of each
+  if ((twice & some) != 0u) s.word.w |= 0x80000000u;
   s.word.y = 0u;
 }
 
@@ -17,11 +19,11 @@ void self_collision_fold(inout State s, Fragment f, bool enters, bool nearest) {
     self_collision_close(s);
     s.word.z = floatBitsToUint(f.z);
   }
-  const uint shift = 4u * object_of(f.id);
+  const uint one = 1u << (4u * object_of(f.id));
   if (enters) {
-    s.word.y += 1u << shift;
-  } else if (((s.word.x >> shift) & 15u) != 0u) {
-    s.word.x -= 1u << shift;
+    s.word.y += one;
+  } else {
+    s.word.x -= one;
   }
   if (nearest) s.word.w = (s.word.w & 0x80000000u) | 0x40000000u | (f.color & 0x00FFFFFFu);
 }

@@ -205,7 +205,7 @@ Vec3d Reference::self_collision(std::span<const Fragment> fragments, const std::
       const std::uint32_t object = scene_.objects[fragments[i].node / 2];
       const bool back = (fragments[i].node & 1U) != 0;
       if (!back) ++entered[object];
-      if (back && inside[object] > 0) --inside[object];
+      if (back) --inside[object];
     }
     for (const auto& [object, count] : entered) {
       inside[object] += count;

@@ -84,7 +84,7 @@ TechniqueEntry dual_2p() {
            .title = "dual depth peeling, two coplanar fragments a round at either end",
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all",
-           .passes_formula = "1 + about the sum of ceil(C / 2)",
+           .passes_formula = "1 + 1 to 2 times the sum of ceil(C / 2)",
            .bytes_formula = "204"},
           make<LayerStorage::pairs, 2>};
 }
@@ -104,7 +104,7 @@ TechniqueEntry dual_kb() {
            .title = "dual depth peeling, k coplanar fragments a round at either end",
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all",
-           .passes_formula = "1 + about half the sum of ceil(C / K)",
+           .passes_formula = "1 + half to all of the sum of ceil(C / K)",
            .bytes_formula = "16 K + 100",
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2>};

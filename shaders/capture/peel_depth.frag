@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
 #include "peeled.glsl"
-// Front to back, first pass: the depth test finds the next layer. With RESUMES it stays at the last one where that has
-// fragments left (B: see layers.glsl).
+// Front to back, first pass: the depth test finds the next layer. With RESUMES it stays at the last one where
+// that has fragments left (B: see layers.glsl).
 #if defined(RESUMES)
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Windows { uvec2 windows[]; };
 #endif

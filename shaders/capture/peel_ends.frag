@@ -9,8 +9,8 @@
 #include "../interface/counters.glsl"
 #include "layers.glsl"
 #include "store_layer.glsl"
-// Peeling without depth test: store what lies in the layers at hand, and find the next ones between them. The first
-// round has no layers yet: all lies between.
+// Peeling without depth test: store what lies in the layers at hand, and find the next ones between them. The
+// first round has no layers yet: all lies between.
 void main() {
   const uint pixel = fragment_pixel();
   const uint key = key_of(gl_FragCoord.z);

@@ -10,8 +10,8 @@
 #include "layers.glsl"
 #include "store_layer.glsl"
 #include "peeled.glsl"
-// Front to back, second pass: only fragments in the layer at hand pass the depth test. Where there is none, those at
-// depth 1 do: they are no news.
+// Front to back, second pass: only fragments in the layer at hand pass the depth test. Where there is none,
+// those at depth 1 do: they are no news.
 layout(early_fragment_tests) in;
 void main() {
   const uint end = near_end(fragment_pixel());

@@ -15,7 +15,8 @@ void store(uint end, bool far) {
   atomicAdd(pairs[end].count, 1u);
 }
 #elif defined(CHAINS)
-// Insertion without a lock: each place keeps the smaller one and the larger one goes on, whoever else does the same.
+// Insertion without a lock: each place keeps the smaller one and the larger one goes on, whoever else does
+// the same.
 void store(uint end, bool far) {
   const uint id = fragment_id();
   if (resumes()) {
@@ -31,7 +32,8 @@ void store(uint end, bool far) {
   if (resumes()) atomicMax(windows[end].y, 1u);
 }
 #elif defined(LISTS)
-// Both ends take their nodes from one counter: two that run towards each other cannot tell for sure when they meet.
+// Both ends take their nodes from one counter: two that run towards each other cannot tell for sure when they
+// meet.
 void store(uint end, bool far) {
   const uint node = atomicAdd(counters.next_node, 1u);
   if (node >= frame.capacity) {

@@ -1,5 +1,5 @@
-// What a round delivered at an end of a pixel, in sequence: see capture/layers.glsl. next_delivered() gives the one
-// behind (at the far end: in front of) the `count` it gave so far, the last of them `last`.
+// What a round delivered at an end of a pixel, in sequence: see capture/layers.glsl. next_delivered() gives
+// the one behind (at the far end: in front of) the `count` it gave so far, the last of them `last`.
 #if defined(IMAGE)
 layout(set = 0, binding = SLOT_IMAGE_2) uniform utexture2D found;
 bool next_delivered(uint end, ivec2 pixel, bool far, uint count, uint last, inout Fragment f) {
@@ -19,8 +19,8 @@ bool next_delivered(uint end, ivec2 pixel, bool far, uint count, uint last, inou
   return node != kEmpty;
 }
 #elif defined(LISTS) || defined(ARRAYS)
-// Groups at one depth are short: the next one is searched for among all. A driver may end all loops of an invocation
-// after a number of turns: push.p0 says how many there may be, and what is not reached is counted.
+// Groups at one depth are short: the next one is searched for among all. A driver may end all loops of an
+// invocation after a number of turns: push.p0 says how many there may be, and what is not reached is counted.
 uint turns = 0u;
 uint group_length = 0u;
 

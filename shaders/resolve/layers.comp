@@ -8,16 +8,16 @@
 #include "effects.glsl"
 #include "../capture/layers.glsl"
 #include "delivered.glsl"
-// After a round of peeling: fold what it delivered into the states of each pixel, empty its storage for the next round,
-// and with SEARCH go on to the layers that it found.
+// After a round of peeling: fold what it delivered into the states of each pixel, empty its storage for the
+// next round, and with SEARCH go on to the layers that it found.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) buffer FrontStates { State front_states[]; };
 #if SIDES == 2
 layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer BackStates { State back_states[]; };
 #endif
 #if defined(PAIRS)
-// Of layers that take several rounds: at the near end the largest ids so far, which are behind those to come; at the
-// far end the smallest ones.
+// Of layers that take several rounds: at the near end the largest ids so far, which are behind those to come;
+// at the far end the smallest ones.
 layout(std430, set = 0, binding = SLOT_STATE_GROUP) buffer FrontGroups { State front_groups[]; };
 #if SIDES == 2
 layout(std430, set = 0, binding = SLOT_STATE_BACK_GROUP) buffer BackGroups { State back_groups[]; };
@@ -61,8 +61,8 @@ void fold_front_pair(uint pixel, Fragment first, Fragment last, bool two, bool m
 }
 
 #if SIDES == 2
-// Effects that do not blend get the smallest id of a layer last, as they would if they came from the far end one by
-// one: the place of their group keeps it till then.
+// Effects that do not blend get the smallest id of a layer last, as they would if they came from the far end
+// one by one: the place of their group keeps it till then.
 void fold_back_pair(uint pixel, Fragment first, Fragment last, bool two, bool begins, bool more) {
   State s = back_states[pixel];
   State group = back_groups[pixel];
@@ -108,16 +108,22 @@ bool fold(uint pixel, ivec2 at, uint end, bool far, float z) {
 bool fold(uint pixel, ivec2 at, uint end, bool far, float z) {
   Fragment f = Fragment(z, 0u, 0u);
   uint count = 0u;
-  if (!next_delivered(end, at, far, count, 0u, f)) return false;
+  bool any = next_delivered(end, at, far, count, 0u, f);
+#if defined(LISTS) || defined(ARRAYS)
+  if (group_length == 0u) return false;
+#else
+  if (!any) return false;
+#endif
   State s = front_states[pixel];
 #if SIDES == 2
   if (far) s = back_states[pixel];
 #endif
-  do {
+  while (any) {
     if (far) effect_step_back(s, pixel, f);
     else step_front(s, pixel, f);
     ++count;
-  } while (next_delivered(end, at, far, count, f.id, f));
+    any = next_delivered(end, at, far, count, f.id, f);
+  }
 #if SIDES == 2
   if (far) back_states[pixel] = s;
   else

@@ -438,10 +438,10 @@ class OverdrawOrderer {
   static constexpr std::uint64_t kPatchViews = 1000;
   // Views that tell how deep the pixels are.
   static constexpr std::uint64_t kPilotViews = 32;
+  // Larger single poses are cut into runs: moving single triangles takes a minute and more per 100,000.
+  static constexpr std::size_t kMostCompactTriangles = 100'000;
   // Orders for all views have slightly other misses than those for some.
-  static // Larger meshes are cut into runs: moving single triangles takes more than a minute per 100,000.
-constexpr std::size_t kMostCompactTriangles = 100'000;
-constexpr double kAcmrMargin = 0.994;
+  static constexpr double kAcmrMargin = 0.994;
   static constexpr int kStarts = 3;
   static constexpr std::uint32_t kStartRounds = 6;
   static constexpr std::uint32_t kDistanceRounds = 30;  // it converges in a few

@@ -148,5 +148,25 @@ TEST_F(Peeling, LargeGroups) {
   }
 }
 
+// What the turns left over by the near end do not suffice for is lost, and counted, and gone in the next
+// round.
+TEST_F(Peeling, LargeGroupsAtBothEnds) {
+  RenderScene scene =
+      testing::joined(testing::coplanar_squares(300, 0.0F), testing::coplanar_squares(2, 0.25F));
+  scene = testing::joined(scene, testing::coplanar_squares(3, 0.5F));
+  testing::test_renderer().load(testing::joined(scene, testing::coplanar_squares(300, 1.0F)));
+  const CaptureStats stats =
+      testing::test_renderer()
+          .draw(testing::unit_camera(8, 8), {.technique = "dual-ll", .effect = Effect::complexity})
+          .stats;
+  EXPECT_EQ(stats.captured + stats.overflowed, 64U * 605U);
+  EXPECT_GT(stats.captured, 64U * 200U);
+  // Had the far end's group stayed there, it would come with the next layer.
+  if (testing::test_renderer().info().cpu) {
+    EXPECT_LT(stats.captured, 64U * 300U);
+  }
+  EXPECT_EQ(stats.rounds, 3U);
+}
+
 }  // namespace
 }  // namespace pellucid

@@ -14,10 +14,10 @@ void begin_tally() {
   barrier();
 }
 
-// `new_pixel`: no earlier round counted it as one with coplanar fragments. `active`: the next round may find more.
-void tally(uint captured, uint coplanar, bool new_pixel, bool active) {
+// `new_pixel`: no earlier round counted it as one with coplanar fragments. `goes_on`: the next round may find more.
+void tally(uint captured, uint coplanar, bool new_pixel, bool goes_on) {
   if (captured > 0u) atomicAdd(captured_sum, captured);
-  if (active) atomicAdd(active_sum, 1u);
+  if (goes_on) atomicAdd(active_sum, 1u);
   if (coplanar > 0u) {
     atomicAdd(coplanar_sum, coplanar);
     if (new_pixel) atomicAdd(coplanar_pixels_sum, 1u);

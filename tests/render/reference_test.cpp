@@ -45,8 +45,9 @@ TEST(Reference, BlendsFrontToBack) {
 
 // Two boxes that share the plane x = 0.5, and a third inside the first that shares its front.
 TEST(Reference, DifferenceLeavesNoSkinWhereFacesCoincide) {
-  const RenderScene scene = testing::joined(testing::closed_box({0.125F, 0.125F, 0.25F}, {0.875F, 0.875F, 0.75F}),
-                                            testing::closed_box({0.375F, 0.375F, 0.25F}, {0.625F, 0.625F, 0.75F}));
+  const RenderScene scene =
+      testing::joined(testing::closed_box({0.125F, 0.125F, 0.25F}, {0.875F, 0.875F, 0.75F}),
+                      testing::closed_box({0.375F, 0.375F, 0.25F}, {0.625F, 0.625F, 0.75F}));
   const Camera camera = testing::unit_camera(32, 32);
   const RenderResult difference = draw_reference(scene, camera, of(Effect::csg, CsgOperation::difference));
   EXPECT_EQ(pixel_at(difference, 16, 16), kWhite);  // drilled through: nothing is left
@@ -61,8 +62,9 @@ TEST(Reference, DifferenceLeavesNoSkinWhereFacesCoincide) {
 TEST(Reference, CollisionNeedsTwoInsidesOfOneObject) {
   RenderScene touching = testing::joined(testing::closed_box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.5F}),
                                          testing::closed_box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
-  RenderScene overlapping = testing::joined(testing::closed_box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.625F}),
-                                            testing::closed_box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
+  RenderScene overlapping =
+      testing::joined(testing::closed_box({0.25F, 0.25F, 0.125F}, {0.75F, 0.75F, 0.625F}),
+                      testing::closed_box({0.25F, 0.25F, 0.5F}, {0.75F, 0.75F, 0.875F}));
   const Camera camera = testing::unit_camera(16, 16);
   EXPECT_FALSE(is_red(pixel_at(draw_reference(overlapping, camera, of(Effect::self_collision)), 8, 8)));
   for (RenderScene* scene : {&touching, &overlapping}) scene->objects.assign(scene->objects.size(), 0);

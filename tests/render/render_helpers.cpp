@@ -21,7 +21,8 @@ void add_triangle(RenderScene& scene, const Vec3f& a, const Vec3f& b, const Vec3
 
 void add_box(RenderScene& scene, const Vec3f& low, const Vec3f& high, std::uint32_t object) {
   const auto corner = [&](std::size_t c) {
-    return Vec3f{(c & 1U) != 0 ? high.x : low.x, (c & 2U) != 0 ? high.y : low.y, (c & 4U) != 0 ? high.z : low.z};
+    return Vec3f{(c & 1U) != 0 ? high.x : low.x, (c & 2U) != 0 ? high.y : low.y,
+                 (c & 4U) != 0 ? high.z : low.z};
   };
   // Counter-clockwise, seen from outside.
   constexpr std::array<std::array<std::size_t, 4>, 6> kFaces{

@@ -115,6 +115,7 @@ TechniqueEntry dual_fab() {
            .title = "dual depth peeling, an array of k fragments for either layer",
            .paper = "Vasilakis, Fudos 2014",
            .exact = false,
+           .order_free = false,
            .captures = "of more than k fragments at one depth, those drawn first",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "16 K + 92"},

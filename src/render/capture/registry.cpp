@@ -6,10 +6,27 @@ namespace pellucid::render {
 
 const std::vector<TechniqueEntry>& technique_entries() {
   static const std::vector<TechniqueEntry> kEntries{
-      f2b(),       f2b2(),           f2b_2p(),          f2b_3p(),          f2b_ll(),         f2b_kb(),
-      f2b_fab(),   dual(),           dual_2p(),         dual_ll(),         dual_kb(),        dual_fab(),
-      k_buffer(),  multi_k_buffer(), stencil_routing(), uniform_buckets(), bucketed_lists(), adaptive_buckets(),
-      fixed_arrays(), linked_lists(), s_buffer(),
+      f2b(),
+      f2b2(),
+      f2b_2p(),
+      f2b_3p(),
+      f2b_ll(),
+      f2b_kb(),
+      f2b_fab(),
+      dual(),
+      dual_2p(),
+      dual_ll(),
+      dual_kb(),
+      dual_fab(),
+      k_buffer(),
+      multi_k_buffer(),
+      stencil_routing(),
+      uniform_buckets(),
+      bucketed_lists(),
+      adaptive_buckets(),
+      fixed_arrays(),
+      linked_lists(),
+      s_buffer(),
   };
   return kEntries;
 }

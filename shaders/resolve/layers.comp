@@ -8,6 +8,7 @@
 #include "effects.glsl"
 #include "../capture/layers.glsl"
 #include "delivered.glsl"
+#include "tally.glsl"
 // After a round of peeling: fold what it delivered into the states of each pixel, empty its storage for the
 // next round, and with SEARCH go on to the layers that it found.
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -30,7 +31,6 @@ layout(std430, set = 0, binding = SLOT_D) buffer Coplanar { uint coplanar_before
 #if !defined(SEARCH)
 layout(set = 0, binding = SLOT_IMAGE_1) uniform texture2D layer;
 #endif
-shared uint captured_sum, coplanar_sum, coplanar_pixels_sum, overflowed_sum, active_sum;
 
 uint captured = 0u;
 uint coplanar = 0u;
@@ -195,34 +195,19 @@ bool fold_pixel(uint pixel, ivec2 at) {
 }
 
 void main() {
-  if (gl_LocalInvocationIndex == 0u) {
-    captured_sum = 0u;
-    coplanar_sum = 0u;
-    coplanar_pixels_sum = 0u;
-    overflowed_sum = 0u;
-    active_sum = 0u;
-  }
-  barrier();
+  begin_tally();
   if (all(lessThan(gl_GlobalInvocationID.xy, frame.size))) {
     const uint pixel = pixel_index(gl_GlobalInvocationID.xy);
-    if (fold_pixel(pixel, ivec2(gl_GlobalInvocationID.xy))) atomicAdd(active_sum, 1u);
-    if (captured > 0u) atomicAdd(captured_sum, captured);
-    if (overflowed > 0u) atomicAdd(overflowed_sum, overflowed);
+    const bool goes_on = fold_pixel(pixel, ivec2(gl_GlobalInvocationID.xy));
+    bool new_pixel = true;
 #if !defined(IMAGE)
     if (coplanar > 0u) {
-      atomicAdd(coplanar_sum, coplanar);
-      if (coplanar_before[pixel] == 0u) atomicAdd(coplanar_pixels_sum, 1u);
+      new_pixel = coplanar_before[pixel] == 0u;
       coplanar_before[pixel] += coplanar;
     }
 #endif
+    tally(captured, coplanar, new_pixel, goes_on);
+    if (overflowed > 0u) atomicAdd(counters.overflowed, overflowed);
   }
-  barrier();
-  if (gl_LocalInvocationIndex != 0u) return;
-  if (active_sum > 0u) atomicAdd(counters.active_pixels, active_sum);
-  if (captured_sum > 0u) atomicAdd(counters.captured, captured_sum);
-  if (overflowed_sum > 0u) atomicAdd(counters.overflowed, overflowed_sum);
-  if (coplanar_sum > 0u) {
-    atomicAdd(counters.coplanar, coplanar_sum);
-    atomicAdd(counters.coplanar_pixels, coplanar_pixels_sum);
-  }
+  end_tally();
 }

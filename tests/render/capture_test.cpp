@@ -153,6 +153,7 @@ class Bounded : public ::testing::Test {
     RenderOptions options;
     options.technique = technique;
     options.k = k;
+    options.plain_resolve = true;  // one kernel to compile for every k, not four
     options.keep_fragments = true;
     const RenderScene scene = testing::random_stack(21, 70);
     const Camera camera = testing::unit_camera(48, 48);
@@ -213,6 +214,7 @@ TEST_F(Bounded, AdaptiveBucketsKeepAllDistinctDepthsOfAPixelWithFewOfThem) {
   }
   RenderOptions options;
   options.k = 4;
+  options.plain_resolve = true;
   testing::test_renderer().load(scene);
   options.technique = "bad";
   EXPECT_EQ(testing::test_renderer().draw(testing::unit_camera(8, 8), options).stats.captured_share(), 1.0);
@@ -226,6 +228,7 @@ TEST_F(Bounded, PoolThatIsTooSmallIsToldOf) {
     RenderOptions options;
     options.technique = technique;
     options.pool = 100;
+    options.plain_resolve = true;
     const CaptureStats stats = testing::test_renderer().draw(testing::unit_camera(32, 32), options).stats;
     EXPECT_EQ(stats.captured, 100U) << technique;
     EXPECT_EQ(stats.captured + stats.overflowed, stats.fragments) << technique;

@@ -51,7 +51,7 @@ TEST_F(Peeling, InexactTechniquesLoseOnlyCoplanarFragments) {
     EXPECT_EQ(renderer.draw(camera, {.technique = name}).stats.captured, captured_of_groups(all, 1)) << name;
   }
   for (const char* name : {"f2b-fab", "dual-fab"}) {
-    for (const std::uint32_t k : {1U, 2U, 4U, 64U}) {
+    for (const std::uint32_t k : {1U, 4U}) {
       const CaptureStats stats = renderer.draw(camera, {.technique = name, .k = k}).stats;
       EXPECT_EQ(stats.captured, captured_of_groups(all, k)) << name << " " << k;
       EXPECT_EQ(stats.captured + stats.overflowed, stats.fragments) << name << " " << k;
@@ -64,10 +64,11 @@ TEST_F(Peeling, AnyNumberOfPlacesIsEnoughForWhatIsResumed) {
   const Camera camera = testing::unit_camera(48, 48);
   Renderer& renderer = testing::test_renderer();
   renderer.load(scene);
-  const RenderResult expected = renderer.draw(camera, {.technique = "sb", .keep_fragments = true});
+  const RenderResult expected =
+      renderer.draw(camera, {.technique = "sb", .plain_resolve = true, .keep_fragments = true});
   for (const char* name : {"f2b-kb", "dual-kb"}) {
     if (missing(name)) continue;
-    for (const std::uint32_t k : {1U, 2U, 3U, 64U}) {
+    for (const std::uint32_t k : {1U, 3U}) {
       const RenderResult result = renderer.draw(camera, {.technique = name, .k = k, .keep_fragments = true});
       EXPECT_EQ(result.stats.captured, expected.stats.captured) << name << " " << k;
       EXPECT_EQ(result.stats.coplanar, expected.stats.coplanar) << name << " " << k;

@@ -1,10 +1,20 @@
 # For scripts/sanitize --short: rooms that are linked but not tested there, built in a hurry and without sanitizers.
+# Where PELLUCID_PLAIN_ARCHIVES names a folder, their libraries are taken from there and not built at all.
 set(PELLUCID_PLAIN_ROOMS "" CACHE STRING "Rooms built without sanitizers and optimisation")
+set(PELLUCID_PLAIN_ARCHIVES "" CACHE PATH "Libraries of another build that stand for the plain rooms")
 
 # pellucid_room(<name> SOURCES ... USES <rooms or targets> PRIVATE_USES ...)
 # One static library `pellucid_<name>`, alias `pellucid::<name>`, for the room src/<name>.
 function(pellucid_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
+  if(PELLUCID_PLAIN_ARCHIVES AND name IN_LIST PELLUCID_PLAIN_ROOMS)
+    add_library(pellucid_${name} INTERFACE)
+    add_library(pellucid::${name} ALIAS pellucid_${name})
+    target_include_directories(pellucid_${name} INTERFACE ${PROJECT_SOURCE_DIR}/include)
+    target_link_libraries(pellucid_${name} INTERFACE
+      ${PELLUCID_PLAIN_ARCHIVES}/libpellucid_${name}.a ${ROOM_USES} ${ROOM_PRIVATE_USES})
+    return()
+  endif()
   add_library(pellucid_${name} STATIC ${ROOM_SOURCES})
   add_library(pellucid::${name} ALIAS pellucid_${name})
   set_target_properties(pellucid_${name} PROPERTIES EXPORT_NAME ${name})

@@ -3,6 +3,8 @@
 set(PELLUCID_SHADERS
   "interface/scene.vert|interface/scene.vert|"
   "interface/layered.vert|interface/layered.vert|"
+  "capture/blend.frag|capture/blend.frag|"
+  "resolve/blended.comp|resolve/blended.comp|"
   "capture/bounds.frag|capture/bounds.frag|"
   "capture/clear_keys.comp|capture/clear_keys.comp|"
   "capture/depth_bins.frag|capture/depth_bins.frag|"
@@ -42,8 +44,9 @@ foreach(storage ranges lists arrays layers)
   string(TOUPPER ${storage} define)
   list(APPEND PELLUCID_SHADERS "resolve/classify_${storage}.comp|resolve/classify.comp|${define}")
   foreach(room 4 8 16)
-    list(APPEND PELLUCID_SHADERS "resolve/${storage}_${room}.comp|resolve/lists.comp|${define} ROOM=${room}")
+    list(APPEND PELLUCID_SHADERS "resolve/${storage}_${room}.comp|resolve/lists.comp|${define} ROOM=${room} RUNS=1")
   endforeach()
+  list(APPEND PELLUCID_SHADERS "resolve/${storage}_runs.comp|resolve/lists.comp|${define} ROOM=16 RUNS=8")
   list(APPEND PELLUCID_SHADERS "resolve/${storage}_long.comp|resolve/lists.comp|${define} ROOM=32 LONG")
   list(APPEND PELLUCID_SHADERS "resolve/${storage}_plain.comp|resolve/lists.comp|${define} ROOM=128 PLAIN")
 endforeach()

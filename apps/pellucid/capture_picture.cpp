@@ -63,19 +63,30 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
           {"bytes", stats.bytes},
           {"bytes_per_pixel", static_cast<double>(stats.bytes) / pixels},
           {"milliseconds", stats.milliseconds},
+          {"resolve_milliseconds", stats.resolve_milliseconds},
           {"seconds", {{"total", seconds}}},
           {"peak_rss_bytes", peak_rss_bytes()}};
 }
 
-double median_of_more(const CapturePicture& picture, const Camera& camera, Renderer& renderer,
-                      const Session& session) {
-  std::vector<double> milliseconds;
+// Times of more frames, in which nothing is counted: their medians.
+void time_more_frames(const CapturePicture& picture, const Camera& camera, Renderer& renderer,
+                      const Session& session, CaptureStats& stats) {
+  RenderOptions options = picture.options;
+  options.statistics = false;
+  std::vector<double> all;
+  std::vector<double> resolve;
   for (std::uint32_t frame = 1; frame < picture.frames; ++frame) {
-    milliseconds.push_back(renderer.draw(camera, picture.options, session.progress()).stats.milliseconds);
+    const CaptureStats times = renderer.draw(camera, options, session.progress()).stats;
+    all.push_back(times.milliseconds);
+    resolve.push_back(times.resolve_milliseconds);
     stop_if_signalled();
   }
-  std::sort(milliseconds.begin(), milliseconds.end());
-  return milliseconds[milliseconds.size() / 2];
+  const auto median = [](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  };
+  stats.milliseconds = median(all);
+  stats.resolve_milliseconds = median(resolve);
 }
 
 }  // namespace
@@ -112,7 +123,7 @@ void render_capture(const CapturePicture& picture, Session& session) {
   } else {
     renderer->load(drawn);
     result = renderer->draw(camera, picture.options, session.progress());
-    if (picture.frames > 1) result.stats.milliseconds = median_of_more(picture, camera, *renderer, session);
+    if (picture.frames > 1) time_more_frames(picture, camera, *renderer, session, result.stats);
     for (const std::string& message : renderer->validation_messages()) session.note(message);
   }
   stop_if_signalled();

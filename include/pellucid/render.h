@@ -92,6 +92,7 @@ struct TechniqueInfo {
   std::string captures;        // in words, where it is not exact
   std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
   std::string bytes_formula;   // of a pixel
+  bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
   bool needs_atomics64 = false, needs_layered = false;
 };
 // In the order of the paper's Table 1. None where pellucid was built without Vulkan.
@@ -111,6 +112,9 @@ struct RenderOptions {
   std::uint64_t pool = 0;
   // Sort with an insertion sort of a local array, as is common: to measure against.
   bool plain_resolve = false;
+  // Count what is captured and how much of it is coplanar. Without, CaptureStats has neither, and kernels
+  // that sort leave a pixel where nothing behind can be seen.
+  bool statistics = true;
   bool keep_fragments = false;  // RenderResult::fragments; draws twice
 };
 
@@ -128,6 +132,7 @@ struct CaptureStats {
   std::uint32_t fullscreen_passes = 0;  // compute passes over the picture
   std::uint64_t bytes = 0;              // of the technique's own buffers and images
   double milliseconds = 0;              // on the device, from the first clear to the finished picture
+  double resolve_milliseconds = 0;      // of them, sorting and folding what was captured
   // The paper's robustness ratio R_h; 1 for an empty picture.
   [[nodiscard]] double captured_share() const {
     return fragments == 0 ? 1 : static_cast<double>(captured) / static_cast<double>(fragments);

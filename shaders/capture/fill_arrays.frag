@@ -3,7 +3,7 @@
 #include "../interface/frame.glsl"
 #include "../interface/fragment_input.glsl"
 #include "../interface/counters.glsl"
-// An array of kK nodes for every pixel, in the sequence of drawing. A: fragments so far; C: nodes of three words.
+// An array of kK nodes for every pixel, in the sequence of drawing. A: fragments so far; C: depths of all nodes, then their ids and colours.
 layout(std430, set = 0, binding = SLOT_A) buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {
@@ -13,8 +13,9 @@ void main() {
     atomicAdd(counters.overflowed, 1u);
     return;
   }
-  const uint node = 3u * (pixel * kK + place);
+  const uint node = pixel * kK + place;
   nodes[node] = floatBitsToUint(gl_FragCoord.z);
-  nodes[node + 1u] = fragment_id();
-  nodes[node + 2u] = fragment_color();
+  const uint word = kK * pixel_count() + 2u * node;
+  nodes[word] = fragment_id();
+  nodes[word + 1u] = fragment_color();
 }

@@ -3,7 +3,7 @@
 #include "../interface/frame.glsl"
 #include "../interface/fragment_input.glsl"
 #include "../interface/counters.glsl"
-// S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: nodes of three words.
+// S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: depths of all nodes, then their ids and colours.
 layout(std430, set = 0, binding = SLOT_B) buffer Ends { uint ends[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {
@@ -12,7 +12,8 @@ void main() {
     atomicAdd(counters.overflowed, 1u);
     return;
   }
-  nodes[3u * place] = floatBitsToUint(gl_FragCoord.z);
-  nodes[3u * place + 1u] = fragment_id();
-  nodes[3u * place + 2u] = fragment_color();
+  nodes[place] = floatBitsToUint(gl_FragCoord.z);
+  const uint word = frame.capacity + 2u * place;
+  nodes[word] = fragment_id();
+  nodes[word + 1u] = fragment_color();
 }

@@ -4,7 +4,7 @@
 #include "../interface/counters.glsl"
 #include "storage.glsl"
 #include "tiles.glsl"
-// Which tiles have lists of at most 4, 8, 16 or more fragments: each class is sorted by a kernel of its own.
+// Which tiles have lists of at most 4, 8, 16, 128 or more fragments: each class is sorted by a kernel of its own.
 // Counts pixels with fragments and the deepest of them on the way.
 layout(local_size_x = 8, local_size_y = 8) in;
 shared uint deepest_list, deepest_pixel, covered_pixels;

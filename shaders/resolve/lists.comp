@@ -8,11 +8,13 @@
 #include "tally.glsl"
 #include "tiles.glsl"
 // Sort the fragments of a pixel by (z, id) and fold them: one workgroup a tile, one invocation a pixel. Compiled for
-// each class of tiles: lists of at most ROOM fragments are sorted by a network in registers; LONG ones give their
-// nearest 32 at a time, each time those behind the last. PLAIN is what everyone does, to measure against: insertion
-// sort of a local array of ROOM, whatever the length.
+// each class of tiles: lists of at most ROOM fragments are sorted by a network in registers; RUNS of 16 are sorted by the
+// same network and merged; LONG lists give their nearest 32 at a time, each time those behind the last. PLAIN is what
+// everyone does, to measure against: insertion sort of a local array of ROOM, whatever the length.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+// With kVariant 1 nothing is counted, so that a pixel is left where nothing behind can be seen.
+const bool kCounts = kVariant == 0u;
 State state;
 uint folded = 0u;
 uint coplanar = 0u;
@@ -22,14 +24,18 @@ uint last_id = 0u;
 bool done = false;
 
 void fold(uint pixel, float fz, uint fid, uint fcolor) {
-  run = fz == last_z ? run + 1u : 1u;
-  coplanar += run == 2u ? 2u : run > 2u ? 1u : 0u;
+  if (kCounts) {
+    run = fz == last_z ? run + 1u : 1u;
+    coplanar += run == 2u ? 2u : run > 2u ? 1u : 0u;
+  }
   last_z = fz;
   last_id = fid;
   ++folded;
   if (!done) effect_step(state, pixel, Fragment(fz, fid, fcolor));
   done = done || effect_is_done(state);
 }
+
+bool stops() { return done && !kCounts; }
 
 #define ROOM_ARRAYS float z[ROOM]; uint id[ROOM]; uint color[ROOM];
 #define CLEAR_ROOM for (uint i = 0u; i < ROOM; ++i) { z[i] = 2.0; id[i] = kNone; color[i] = 0u; }
@@ -61,6 +67,7 @@ void fold_bucket(uint pixel, uint bucket) {
       uint carried_color = f.color;
       CARRY_32
     }
+    if (stops()) return;
     for (uint i = 0u; i < ROOM && left > 0u; ++i) {
       fold(pixel, z[i], id[i], color[i]);
       --left;
@@ -84,19 +91,30 @@ void fold_bucket(uint pixel, uint bucket) {
     id[place] = f.id;
     color[place] = f.color;
   }
-  for (uint i = 0u; i < count; ++i) fold(pixel, z[i], id[i], color[i]);
+  for (uint i = 0u; i < count && !stops(); ++i) fold(pixel, z[i], id[i], color[i]);
 }
 #else
-void fold_bucket(uint pixel, uint bucket) {
-  ROOM_ARRAYS
-  CLEAR_ROOM
-  Cursor cursor = first_of(pixel, bucket);
-  Fragment f;
-#define LOAD(i) if (next(cursor, f)) { z[i] = f.z; id[i] = f.id; color[i] = f.color; }
+// Depths and places are sorted alone: ids and colours are read of what is folded, ids of equal depths as well.
+uvec2 sorted[RUNS * ROOM];  // depth, node
+float nearest[RUNS];        // depth of what is left of each run
+uint place[RUNS];
+
+#define LOAD(i) if (next_depth(cursor, depth, at)) { z[i] = depth; node[i] = at; }
 #define LOAD_4(i) LOAD(i) LOAD(i + 1) LOAD(i + 2) LOAD(i + 3)
-#define STORE(i) sorted[i] = uvec3(floatBitsToUint(z[i]), id[i], color[i]);
+#define STORE(i) sorted[first + i] = uvec2(floatBitsToUint(z[i]), node[i]);
 #define STORE_4(i) STORE(i) STORE(i + 1) STORE(i + 2) STORE(i + 3)
-  uvec3 sorted[ROOM];  // folded in a loop: the effect's code is there once, and z, id and color stay in registers
+const float kBehindAll = 2.0;
+
+void sort_run(uint run, inout Cursor cursor) {
+  float z[ROOM];
+  uint node[ROOM];
+  for (uint i = 0u; i < ROOM; ++i) {
+    z[i] = kBehindAll;
+    node[i] = kNone;
+  }
+  float depth;
+  uint at;
+  const uint first = ROOM * run;
 #if ROOM == 4
   LOAD_4(0) SORT_4 STORE_4(0)
 #elif ROOM == 8
@@ -104,8 +122,64 @@ void fold_bucket(uint pixel, uint bucket) {
 #else
   LOAD_4(0) LOAD_4(4) LOAD_4(8) LOAD_4(12) SORT_16 STORE_4(0) STORE_4(4) STORE_4(8) STORE_4(12)
 #endif
-  for (uint i = 0u; i < ROOM && sorted[i].y != kNone; ++i) {
-    fold(pixel, uintBitsToFloat(sorted[i].x), sorted[i].y, sorted[i].z);
+  nearest[run] = z[0];
+  place[run] = first;
+}
+
+// Depth of the one behind `at` in its run.
+float depth_behind(uint at) { return at % ROOM == ROOM - 1u ? kBehindAll : uintBitsToFloat(sorted[at + 1u].x); }
+
+void take(uint run, float behind) {
+  nearest[run] = behind;
+  ++place[run];
+}
+
+// Fragments at one depth, which lie at the heads of some runs: by their ids. Returns how many there are.
+uint fold_coplanar(uint pixel, uint runs, float z) {
+  uint folded_id = 0u;
+  uint group = 0u;
+  for (;; ++group) {
+    Fragment smallest = Fragment(z, kNone, 0u);
+    for (uint run = 0u; run < runs; ++run) {
+      float head = nearest[run];
+      for (uint at = place[run]; head == z; ++at) {
+        const Fragment f = fragment_at(sorted[at].y, z);
+        if (f.id > folded_id && f.id < smallest.id) smallest = f;
+        head = depth_behind(at);
+      }
+    }
+    if (smallest.id == kNone) break;
+    fold(pixel, z, smallest.id, smallest.color);
+    folded_id = smallest.id;
+  }
+  for (uint run = 0u; run < runs; ++run) {
+    while (nearest[run] == z) take(run, depth_behind(place[run]));
+  }
+  return group;
+}
+
+void fold_bucket(uint pixel, uint bucket) {
+  const uint count = min(stored_in(pixel, bucket), RUNS * ROOM);
+  const uint runs = (count + ROOM - 1u) / ROOM;
+  Cursor cursor = first_of(pixel, bucket);
+  for (uint run = 0u; run < runs; ++run) sort_run(run, cursor);
+  for (uint left = count; left > 0u && !stops();) {
+    uint run = 0u;
+    bool tie = false;
+    for (uint other = 1u; other < runs; ++other) {
+      tie = nearest[other] == nearest[run] || (tie && nearest[other] > nearest[run]);
+      if (nearest[other] < nearest[run]) run = other;
+    }
+    const float z = nearest[run];
+    const float behind = depth_behind(place[run]);
+    if (tie || behind == z) {
+      left -= fold_coplanar(pixel, runs, z);
+      continue;
+    }
+    const Fragment f = fragment_at(sorted[place[run]].y, z);
+    fold(pixel, f.z, f.id, f.color);
+    take(run, behind);
+    --left;
   }
 }
 #endif
@@ -118,7 +192,7 @@ void main() {
   if (all(lessThan(pixel, frame.size))) {
     const uint index = pixel_index(pixel);
     state = effect_init();
-    for (uint bucket = 0u; bucket < bucket_count(); ++bucket) fold_bucket(index, bucket);
+    for (uint bucket = 0u; bucket < bucket_count() && !stops(); ++bucket) fold_bucket(index, bucket);
     picture[index] = effect_finish(state);
     tally(folded, coplanar, true, false);
   }

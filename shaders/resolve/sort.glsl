@@ -1,10 +1,10 @@
-// Sorting networks over the arrays z, id, color: Batcher's odd-even merge sort, written out so that all indices are
+// Sorting networks over the arrays z and node, by z: Batcher's odd-even merge sort, written out so that all indices are
 // constants and the arrays live in registers. Batcher, "Sorting Networks and Their Applications", AFIPS 1968.
 #define SORT_PAIR(i, j) { \
-    const bool swapped = before(z[j], id[j], z[i], id[i]); \
-    const float zi = z[i]; const uint idi = id[i]; const uint ci = color[i]; \
-    z[i] = swapped ? z[j] : zi; id[i] = swapped ? id[j] : idi; color[i] = swapped ? color[j] : ci; \
-    z[j] = swapped ? zi : z[j]; id[j] = swapped ? idi : id[j]; color[j] = swapped ? ci : color[j]; }
+    const bool swapped = z[j] < z[i]; \
+    const float zi = z[i]; const uint node_i = node[i]; \
+    z[i] = swapped ? z[j] : zi; node[i] = swapped ? node[j] : node_i; \
+    z[j] = swapped ? zi : z[j]; node[j] = swapped ? node_i : node[j]; }
 #define SORT_4 \
   SORT_PAIR(0, 1) SORT_PAIR(2, 3) SORT_PAIR(0, 2) SORT_PAIR(1, 3) SORT_PAIR(1, 2)
 #define SORT_8 \
@@ -24,7 +24,7 @@
   SORT_PAIR(10, 12) SORT_PAIR(11, 13) SORT_PAIR(1, 2) SORT_PAIR(3, 4) SORT_PAIR(5, 6) SORT_PAIR(7, 8) \
   SORT_PAIR(9, 10) SORT_PAIR(11, 12) SORT_PAIR(13, 14)
 
-// Insert (carried_z, carried_id, carried_color) into the 32 smallest so far; what falls out at the end is lost.
+// Of the arrays z, id and color: insert (carried_z, carried_id, carried_color) into the 32 smallest so far; what falls out at the end is lost.
 #define CARRY(i) { \
     const bool here = before(carried_z, carried_id, z[i], id[i]); \
     const float zi = z[i]; const uint idi = id[i]; const uint ci = color[i]; \

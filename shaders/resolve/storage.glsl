@@ -1,16 +1,19 @@
 // Where a buffer technique left the fragments of a pixel: RANGES (S-buffer), LISTS (linked lists, perhaps in buckets)
-// ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular sequence.
+// ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular sequence: next() gives whole
+// fragments, next_depth() a depth and the node whose id and colour fragment_at() gets.
 #if defined(RANGES)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Ends { uint ends[]; };
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };
 uint stored_begin(uint pixel) { return min(ends[pixel] - counts[pixel], frame.capacity); }
 uint stored_count(uint pixel) { return min(ends[pixel], frame.capacity) - stored_begin(pixel); }
+uint depth_words() { return frame.capacity; }
 #elif defined(ARRAYS)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };
 uint stored_begin(uint pixel) { return pixel * kK; }
 uint stored_count(uint pixel) { return min(counts[pixel], kK); }
+uint depth_words() { return kK * pixel_count(); }
 #elif defined(LAYERS)
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray node_layers;
 uvec4 layer_node(uint pixel, uint layer) {
@@ -34,6 +37,14 @@ bool next(inout Cursor cursor, out Fragment f) {
   cursor.node = node.w;
   return true;
 }
+bool next_depth(inout Cursor cursor, out float z, out uint node) {
+  if (cursor.node == kNone) return false;
+  node = cursor.node;
+  z = uintBitsToFloat(nodes[node].x);
+  cursor.node = nodes[node].w;
+  return true;
+}
+Fragment fragment_at(uint node, float z) { return Fragment(z, nodes[node].y, nodes[node].z); }
 uint stored_in(uint pixel, uint bucket) {
   uint count = 0u;
   for (uint node = bucket_head(pixel, bucket); node != kNone; node = nodes[node].w) ++count;
@@ -53,6 +64,18 @@ bool next(inout Cursor cursor, out Fragment f) {
   ++cursor.layer;
   return true;
 }
+// Of a node: its pixel and layer in one number.
+bool next_depth(inout Cursor cursor, out float z, out uint node) {
+  Fragment f;
+  node = cursor.pixel * kK + cursor.layer;
+  if (!next(cursor, f)) return false;
+  z = f.z;
+  return true;
+}
+Fragment fragment_at(uint node, float z) {
+  const uvec4 found = layer_node(node / kK, node % kK);
+  return Fragment(z, found.y, found.z);
+}
 uint stored_in(uint pixel, uint bucket) {
   uint count = 0u;
   while (count < kK && layer_node(pixel, count).y != 0u) ++count;
@@ -67,11 +90,21 @@ Cursor first_of(uint pixel, uint bucket) {
   const uint begin = stored_begin(pixel);
   return Cursor(begin, begin + stored_count(pixel));
 }
-bool next(inout Cursor cursor, out Fragment f) {
+bool next_depth(inout Cursor cursor, out float z, out uint node) {
   if (cursor.node == cursor.end) return false;
-  const uint word = 3u * cursor.node;
-  f = Fragment(uintBitsToFloat(nodes[word]), nodes[word + 1u], nodes[word + 2u]);
-  ++cursor.node;
+  node = cursor.node++;
+  z = uintBitsToFloat(nodes[node]);
+  return true;
+}
+Fragment fragment_at(uint node, float z) {
+  const uint word = depth_words() + 2u * node;
+  return Fragment(z, nodes[word], nodes[word + 1u]);
+}
+bool next(inout Cursor cursor, out Fragment f) {
+  float z;
+  uint node;
+  if (!next_depth(cursor, z, node)) return false;
+  f = fragment_at(node, z);
   return true;
 }
 uint stored_in(uint pixel, uint bucket) { return stored_count(pixel); }

@@ -80,7 +80,7 @@ FrameData frame_data(const Camera& camera, const Frame& frame) {
 OwnedQueryPool make_timestamps(Context& context) {
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .queryType = VK_QUERY_TYPE_TIMESTAMP,
-                                   .queryCount = 2};
+                                   .queryCount = kTimestamps};
   VkQueryPool pool = VK_NULL_HANDLE;
   check(vkCreateQueryPool(context.device(), &info, nullptr, &pool), "creating queries");
   return {context.device(), pool};
@@ -146,8 +146,7 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
                                    const std::function<void(render::Recorder&)>& record) {
   stop_if_requested(job.progress);
   context.submit([&](VkCommandBuffer commands) {
-    vkCmdResetQueryPool(commands, timestamps.get(), 0, 2);
-    render::Recorder recorder(context, commands, unused);
+    render::Recorder recorder(context, commands, unused, timestamps.get());
     recorder.bind(render::Slot::frame, frame_buffer);
     recorder.bind(render::Slot::triangles, scene->triangles);
     recorder.bind(render::Slot::surfaces, scene->surfaces);
@@ -157,18 +156,20 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
     recorder.bind(render::Slot::counters, frame.counters);
     if (picture) recorder.bind(render::Slot::picture, picture);
     if (dump) recorder.bind(render::Slot::dump, dump);
-    recorder.write_timestamp(timestamps.get(), 0);
+    recorder.begin_time();
     record(recorder);
-    recorder.barrier();
-    recorder.write_timestamp(timestamps.get(), 1);
+    recorder.end_time();
     stats.geometry_passes += recorder.geometry_passes();
     stats.fullscreen_passes += recorder.fullscreen_passes();
   });
-  std::array<std::uint64_t, 2> ticks{};
-  render::check(vkGetQueryPoolResults(context.device(), timestamps.get(), 0, 2, sizeof ticks, ticks.data(),
-                                      sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-                "reading timestamps");
-  stats.milliseconds += static_cast<double>(ticks[1] - ticks[0]) * context.nanoseconds_per_tick() * 1e-6;
+  std::array<std::uint64_t, render::kTimestamps> ticks{};
+  render::check(
+      vkGetQueryPoolResults(context.device(), timestamps.get(), 0, render::kTimestamps, sizeof ticks,
+                            ticks.data(), sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+      "reading timestamps");
+  const double milliseconds_per_tick = context.nanoseconds_per_tick() * 1e-6;
+  stats.milliseconds += static_cast<double>(ticks[2] - ticks[0]) * milliseconds_per_tick;
+  stats.resolve_milliseconds += static_cast<double>(ticks[2] - ticks[1]) * milliseconds_per_tick;
 }
 
 std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, render::Frame& frame) {
@@ -228,10 +229,13 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   }
   read_counters();
   stats.fragments += frame.fragments;
-  stats.captured += counters.captured;
+  // Hardware blending takes every fragment, and counts none.
+  if (job.options.statistics) {
+    stats.captured += job.technique.info.blends_only ? frame.fragments : counters.captured;
+    stats.coplanar += counters.coplanar;
+    stats.coplanar_pixels += counters.coplanar_pixels;
+  }
   stats.overflowed += counters.overflowed;
-  stats.coplanar += counters.coplanar;
-  stats.coplanar_pixels += counters.coplanar_pixels;
   stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
   stats.covered_pixels += static_cast<std::uint64_t>(
       std::count_if(counts.begin(), counts.end(), [](std::uint32_t n) { return n > 0; }));
@@ -346,6 +350,20 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
   render::check_effect(options.effect, objects);
 }
 
+void check_blends(const TechniqueInfo& technique, const RenderOptions& options) {
+  if (!technique.blends_only) return;
+  if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--technique {} blends while it draws: --effect transparency or wireframe only",
+                            technique.name));
+  }
+  if (options.keep_fragments) {
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--technique {} blends while it draws: it has no fragments to keep", technique.name));
+  }
+}
+
 }  // namespace
 
 RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, Progress* progress) {
@@ -354,6 +372,7 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
   check_options(camera, options, info(), self.scene->object_count);
   Implementation::Job job{camera, options, find_technique(options, info()),
                           static_cast<std::uint32_t>(options.effect), progress};
+  check_blends(job.technique.info, options);
   RenderResult result;
   result.width = camera.width;
   result.height = camera.height;

@@ -11,7 +11,9 @@ namespace {
 
 std::vector<std::string> technique_names() {
   std::vector<std::string> names;
-  for (const TechniqueInfo& info : render_techniques()) names.push_back(info.name);
+  for (const TechniqueInfo& info : render_techniques()) {
+    if (!info.blends_only) names.push_back(info.name);
+  }
   return names;
 }
 
@@ -118,13 +120,18 @@ TEST_P(Capture, NothingAtAll) {
   for (const Vec3f& pixel : result.pixels) EXPECT_EQ(pixel, (Vec3f{1, 1, 1}));
 }
 
-// Pixels of many layers: more than any array in registers.
-TEST_P(Capture, DeepPixels) {
+RenderScene deep_stack(std::uint32_t layers) {
   RenderScene scene = testing::coplanar_squares(1, 0);
-  for (std::uint32_t i = 1; i < 75; ++i) {
+  for (std::uint32_t i = 1; i < layers; ++i) {
     scene = testing::joined(scene, testing::coplanar_squares(1 + i % 3 / 2, static_cast<float>(i) / 128.0F));
   }
-  expect_as_oracle(scene, testing::unit_camera(8, 8));
+  return scene;
+}
+
+// Pixels of many layers: runs that are merged, and more than runs have room for.
+TEST_P(Capture, DeepPixels) {
+  expect_as_oracle(deep_stack(75), testing::unit_camera(8, 8));
+  expect_as_oracle(deep_stack(120), testing::unit_camera(8, 8));
 }
 
 // What is drawn does not depend on the sequence in which it is drawn.
@@ -220,6 +227,53 @@ TEST_F(Bounded, AdaptiveBucketsKeepAllDistinctDepthsOfAPixelWithFewOfThem) {
   EXPECT_EQ(testing::test_renderer().draw(testing::unit_camera(8, 8), options).stats.captured_share(), 1.0);
   options.technique = "bun";
   EXPECT_LT(testing::test_renderer().draw(testing::unit_camera(8, 8), options).stats.captured_share(), 1.0);
+}
+
+// Without statistics kernels leave a pixel where nothing behind can be seen: the same picture.
+TEST_F(Bounded, PicturesWithoutStatisticsAreTheSame) {
+  testing::test_renderer().load(deep_stack(75));
+  for (const char* technique : {"sb", "ll"}) {
+    RenderOptions options;
+    options.technique = technique;
+    const RenderResult counted = testing::test_renderer().draw(testing::unit_camera(8, 8), options);
+    options.statistics = false;
+    const RenderResult fast = testing::test_renderer().draw(testing::unit_camera(8, 8), options);
+    EXPECT_EQ(counted.pixels, fast.pixels) << technique;
+    EXPECT_EQ(fast.stats.captured, 0U) << technique;
+    EXPECT_EQ(fast.stats.fragments, counted.stats.fragments) << technique;
+  }
+}
+
+// ----------------------------------------------------------------------------------------- plain blending
+
+TEST_F(Bounded, BlendingIsRightInTheRightSequenceOnly) {
+  Renderer& renderer = testing::test_renderer();
+  const Camera camera = testing::unit_camera(8, 8);
+  RenderScene scene =
+      testing::joined(testing::coplanar_squares(2, 0.25F), testing::coplanar_squares(3, 0.5F));
+  const auto largest_error = [&] {
+    renderer.load(scene);
+    const RenderResult exact = renderer.draw(camera, {.technique = "sb", .plain_resolve = true});
+    const RenderResult blended = renderer.draw(camera, {.technique = "blend"});
+    EXPECT_EQ(blended.stats.captured, exact.stats.captured);
+    float largest = 0;
+    for (std::size_t i = 0; i < exact.pixels.size(); ++i) {
+      const Vec3f d = exact.pixels[i] - blended.pixels[i];
+      largest = std::max({largest, std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    }
+    return largest;
+  };
+  EXPECT_LT(largest_error(), 1e-4F);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.insert(scene.sequence.begin(), i);
+  EXPECT_GT(largest_error(), 1e-2F);
+}
+
+TEST_F(Bounded, BlendingHasNoFragmentsToShow) {
+  Renderer& renderer = testing::test_renderer();
+  renderer.load(testing::coplanar_squares(1, 0.5F));
+  const Camera camera = testing::unit_camera(4, 4);
+  EXPECT_THROW(renderer.draw(camera, {.technique = "blend", .effect = Effect::csg}), Error);
+  EXPECT_THROW(renderer.draw(camera, {.technique = "blend", .keep_fragments = true}), Error);
 }
 
 TEST_F(Bounded, PoolThatIsTooSmallIsToldOf) {

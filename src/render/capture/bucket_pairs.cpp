@@ -49,6 +49,7 @@ class BucketPairs final : public Technique {
     recorder.barrier();
     frame.gather(recorder, "capture/pair_colors.frag", constants);
     recorder.barrier();
+    recorder.begin_resolve();
     recorder.dispatch(frame.pipelines.compute("resolve/keys.comp", {frame.effect, 2 * k, 0}), frame.tiles_x(),
                       frame.tiles_y());
   }

@@ -121,12 +121,14 @@ std::string LayerFold::shader_suffix() const {
 }
 
 void LayerFold::fold(Frame& frame, Recorder& recorder) const {
+  recorder.begin_resolve();
   recorder.dispatch(
       frame.pipelines.compute(fmt::format("resolve/layers_{}.comp", shader_suffix()), constants(frame)),
       frame.tiles_x(), frame.tiles_y());
 }
 
 void LayerFold::finish(Frame& frame, Recorder& recorder) const {
+  recorder.begin_resolve();
   bind(recorder);
   recorder.dispatch(
       frame.pipelines.compute(fmt::format("resolve/finish_layers_{}.comp", form_.sides), {frame.effect}),

@@ -11,7 +11,7 @@ struct TileClass {
   const char* kernel;
   std::uint64_t more_than;  // fragments in the longest list of the tile
 };
-constexpr std::array<TileClass, 4> kClasses{{{"4", 0}, {"8", 4}, {"16", 8}, {"long", 16}}};
+constexpr std::array<TileClass, 5> kClasses{{{"4", 0}, {"8", 4}, {"16", 8}, {"runs", 16}, {"long", 128}}};
 
 }  // namespace
 
@@ -21,7 +21,8 @@ void ListResolve::allocate(Frame& frame) {
 }
 
 void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k) const {
-  const Constants constants{frame.effect, k, 0};
+  recorder.begin_resolve();
+  const Constants constants{frame.effect, k, frame.options.statistics ? 0U : 1U};
   recorder.bind(Slot::e, tiles_);
   recorder.dispatch(frame.pipelines.compute("resolve/clear_tiles.comp", {}), 1, 1);
   recorder.barrier();

@@ -48,6 +48,7 @@ class NearestK final : public Technique {
     recorder.barrier();
     frame.gather(recorder, "capture/nearest_colors.frag", {frame.effect, k});
     recorder.barrier();
+    recorder.begin_resolve();
     recorder.dispatch(
         frame.pipelines.compute("resolve/keys.comp", {frame.effect, k, several_rounds_ ? 1U : 0U}),
         frame.tiles_x(), frame.tiles_y());

@@ -1,4 +1,5 @@
 // The list of capture techniques: a new one is a file beside this and a line here.
+#include "blending_techniques.h"
 #include "buffer_techniques.h"
 #include "peeling_techniques.h"
 
@@ -27,6 +28,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
       fixed_arrays(),
       linked_lists(),
       s_buffer(),
+      plain_blend(),
   };
   return kEntries;
 }

@@ -5,8 +5,8 @@
 
 namespace pellucid::render {
 
-Recorder::Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused)
-    : context_(context), commands_(commands) {
+Recorder::Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused, VkQueryPool timestamps)
+    : context_(context), commands_(commands), timestamps_(timestamps) {
   for (VkDescriptorBufferInfo& buffer : buffers_)
     buffer = {.buffer = unused.get(), .offset = 0, .range = VK_WHOLE_SIZE};
 }
@@ -168,9 +168,26 @@ void Recorder::dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& ar
   vkCmdDispatchIndirect(commands_, arguments.get(), offset);
 }
 
-void Recorder::write_timestamp(VkQueryPool pool, std::uint32_t query) {
+void Recorder::begin_time() {
+  vkCmdResetQueryPool(commands_, timestamps_, 0, kTimestamps);
+  write_timestamp(0);
+}
+
+void Recorder::begin_resolve() {
+  if (resolves_) return;
+  resolves_ = true;
+  write_timestamp(1);
+}
+
+void Recorder::end_time() {
+  barrier();
+  begin_resolve();
+  write_timestamp(2);
+}
+
+void Recorder::write_timestamp(std::uint32_t query) {
   // Some drivers let a timestamp slip into the next pass: a barrier right behind it holds it where it is.
-  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, query);
+  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, query);
   barrier();
 }
 

@@ -41,6 +41,8 @@ enum class Slot : std::uint32_t {
   image_2
 };
 
+constexpr std::uint32_t kTimestamps = 3;
+
 struct PushConstants {
   std::uint32_t first_triangle = 0;
   std::uint32_t round = 0;
@@ -63,7 +65,8 @@ struct Attachments {
 class Recorder {
  public:
   // All buffer slots hold `unused` until something else is bound.
-  Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused);
+  // `timestamps`: three queries, for begin, begin of the resolve and end.
+  Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused, VkQueryPool timestamps);
 
   void bind(Slot slot, const Buffer& buffer);
   void bind(Slot slot, const Image& image);
@@ -82,17 +85,23 @@ class Recorder {
   void dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset);
   void count_fullscreen_pass() { ++fullscreen_passes_; }
 
-  void write_timestamp(VkQueryPool pool, std::uint32_t query);
+  void begin_time();
+  // What was captured is sorted and folded from here on.
+  void begin_resolve();
+  void end_time();
 
   [[nodiscard]] std::uint32_t geometry_passes() const { return geometry_passes_; }
   [[nodiscard]] std::uint32_t fullscreen_passes() const { return fullscreen_passes_; }
 
  private:
   void push_state(VkPipelineBindPoint point);
+  void write_timestamp(std::uint32_t query);
   void number_stencils(const VkRect2D& area, std::uint32_t layers);
 
   Context& context_;
   VkCommandBuffer commands_;
+  VkQueryPool timestamps_;
+  bool resolves_ = false;
   PushConstants push_;
   std::array<VkDescriptorBufferInfo, kFirstImageSlot> buffers_{};
   std::array<VkDescriptorImageInfo, kSlots - kFirstImageSlot> images_{};

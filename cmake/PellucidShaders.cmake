@@ -20,6 +20,7 @@ set(PELLUCID_SHADERS
   "capture/fill_arrays.frag|capture/fill_arrays.frag|"
   "capture/fill_lists.frag|capture/fill_lists.frag|"
   "capture/fill_ranges.frag|capture/fill_ranges.frag|"
+  "capture/opaque.frag|capture/opaque.frag|"
   "capture/offsets.comp|capture/offsets.comp|"
   "capture/peel_depth.frag|capture/peel_depth.frag|"
   "capture/peel_depth_resumes.frag|capture/peel_depth.frag|RESUMES"

@@ -12,8 +12,8 @@ Surface surface_of(const Model& model, const Primitive& primitive, Surfaces surf
     return {look.color, static_cast<float>(look.alpha), true};
   const std::array<float, 4>& c = primitive.base_color;
   // A mask cuts holes by a texture, which is not read: what is left is opaque.
-  const float alpha = primitive.alpha_mode == AlphaMode::blend ? c[3] : 1.0F;
-  return {{c[0], c[1], c[2]}, alpha, true};
+  const bool opaque = primitive.alpha_mode != AlphaMode::blend;
+  return {{c[0], c[1], c[2]}, opaque ? 1.0F : c[3], true, opaque};
 }
 
 }  // namespace

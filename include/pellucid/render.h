@@ -48,6 +48,9 @@ struct Surface {
   Vec3f color{1, 1, 1};  // linear
   float alpha = 0.5F;    // opacity of a sheet that is seen head-on
   bool double_sided = true;
+  // Where an effect blends, opaque surfaces are not captured: they are drawn first, and fragments at their
+  // depth or behind it are none. Their alpha is taken for 1.
+  bool opaque = false;
 };
 
 struct RenderScene {
@@ -57,6 +60,7 @@ struct RenderScene {
   std::vector<std::uint32_t> objects;  // of every triangle: index into `surfaces`
   std::vector<Surface> surfaces;
   // Drawing sequence of the triangles; empty: as they are. Fragment ids refer to `triangles` all the same.
+  // Opaque surfaces that are drawn first have a sequence of their own.
   std::vector<std::uint32_t> sequence;
 };
 
@@ -121,7 +125,8 @@ struct RenderOptions {
 // ------------------------------------------------------------------------------------------------ results
 
 struct CaptureStats {
-  std::uint64_t fragments = 0;   // that were rasterised, counted in a pass of its own
+  // That were rasterised in front of opaque surfaces, counted in a pass of its own.
+  std::uint64_t fragments = 0;
   std::uint64_t captured = 0;    // that the effect was given
   std::uint64_t overflowed = 0;  // that found no place
   std::uint64_t coplanar = 0;    // captured ones at the depth of another one of their pixel

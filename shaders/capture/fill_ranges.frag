@@ -3,7 +3,8 @@
 #include "../interface/frame.glsl"
 #include "../interface/fragment_input.glsl"
 #include "../interface/counters.glsl"
-// S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: depths of all nodes, then their ids and colours.
+// S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: depths of all nodes,
+// then their ids and colours.
 layout(std430, set = 0, binding = SLOT_B) buffer Ends { uint ends[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {

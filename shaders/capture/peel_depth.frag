@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
+#include "../interface/opaque.glsl"
 #include "peeled.glsl"
 // Front to back, first pass: the depth test finds the next layer. With RESUMES it stays at the last one where
 // that has fragments left (B: see layers.glsl).
@@ -13,5 +14,5 @@ void main() {
 #else
   const bool resumed = false;
 #endif
-  if (is_peeled(resumed)) discard;
+  if (is_peeled(resumed) || is_behind_opaque(ivec2(gl_FragCoord.xy), gl_FragCoord.z)) discard;
 }

@@ -1,6 +1,7 @@
 // A rasterised fragment: its pixel, depth, id, and its colour (the same lighting as src/order/fragment_shader.cpp).
 #ifndef FRAGMENT_INPUT_GLSL
 #define FRAGMENT_INPUT_GLSL
+#include "opaque.glsl"
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
 
@@ -52,6 +53,14 @@ float to_the_48th(float x) {
 
 // Here, not where it is needed: in a branch that not all pixels of a quad take, derivatives are undefined.
 vec3 lit_face = cross(dFdx(world_position), dFdy(world_position));
+
+// Before all else, in every pass alike: what nobody can see is no fragment. After the derivatives, which need
+// the whole quad.
+bool discard_unseen() {
+  if (is_behind_opaque(ivec2(gl_FragCoord.xy), gl_FragCoord.z)) discard;
+  return true;
+}
+bool is_seen = discard_unseen();
 
 vec4 lit_color() {
   const vec4 surface = surfaces[triangles[fragment_triangle()].object];

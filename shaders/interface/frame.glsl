@@ -29,11 +29,16 @@
 #define SLOT_IMAGE_0 18
 #define SLOT_IMAGE_1 19
 #define SLOT_IMAGE_2 20
+#define SLOT_OPAQUE 21
 
 layout(constant_id = 0) const uint kEffect = 0u;
 // Constants 1 and 2 belong to the technique.
 layout(constant_id = 1) const uint kK = 8u;
 layout(constant_id = 2) const uint kVariant = 0u;
+// Of the scene and the pass (src/render/frame.h): what fragments have to be looked at for.
+layout(constant_id = 4) const uint kFeatures = 0u;
+const uint kBehindOpaque = 1u;
+bool has_feature(uint feature) { return (kFeatures & feature) != 0u; }
 
 layout(push_constant) uniform Push {
   uint first_triangle;  // of this draw

@@ -3,6 +3,7 @@
 // the constant kEffect, so that a driver keeps one of them.
 #ifndef EFFECTS_GLSL
 #define EFFECTS_GLSL
+#include "../interface/opaque.glsl"
 #include "state.glsl"
 #include "transparency.glsl"
 #include "coplanarity.glsl"
@@ -64,14 +65,14 @@ void effect_merge(inout State s, State behind) {
   else if (kEffect <= kWireframeEffect) transparency_merge(s, behind);
 }
 
-vec4 effect_finish(State s) {
+vec4 effect_finish(State s, uint pixel) {
   if (kEffect == kCsgEffect) return csg_finish(s);
   if (kEffect == kSelfCollisionEffect) return self_collision_finish(s);
   if (kEffect == kCoplanarityEffect) return coplanarity_finish(s);
   if (kEffect == kComplexityEffect) return complexity_finish(s);
   if (kEffect == kThicknessEffect) return thickness_finish(s);
   if (kEffect == kDumpEffect) return vec4(0.0);
-  return transparency_finish(s);
+  return transparency_finish(s, pixel);
 }
 
 // Nothing behind can be seen: what is left changes no channel of eight bits.

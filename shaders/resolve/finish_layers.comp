@@ -16,5 +16,5 @@ void main() {
 #if SIDES == 2
   effect_merge(s, back_states[pixel]);
 #endif
-  picture[pixel] = effect_finish(s);
+  picture[pixel] = effect_finish(s, pixel);
 }

@@ -48,7 +48,7 @@ void main() {
       last[index] = previous | (run > 0u ? kCountedFragment : uint64_t(0)) |
                     (pixel_counted || coplanar > 0u ? kCountedPixel : uint64_t(0));
     }
-    picture[index] = effect_finish(state);
+    picture[index] = effect_finish(state, index);
     tally(captured, coplanar, !pixel_counted, captured == kK);
   }
   end_tally();

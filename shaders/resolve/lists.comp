@@ -193,7 +193,7 @@ void main() {
     const uint index = pixel_index(pixel);
     state = effect_init();
     for (uint bucket = 0u; bucket < bucket_count() && !stops(); ++bucket) fold_bucket(index, bucket);
-    picture[index] = effect_finish(state);
+    picture[index] = effect_finish(state, index);
     tally(folded, coplanar, true, false);
   }
   end_tally();

@@ -19,4 +19,6 @@ void transparency_merge(inout State s, State behind) {
   s.color.a *= behind.color.a;
 }
 
-vec4 transparency_finish(State s) { return vec4(s.color.rgb + s.color.a * frame.background.rgb, 1.0 - s.color.a); }
+vec4 transparency_finish(State s, uint pixel) {
+  return vec4(s.color.rgb + s.color.a * background_of(pixel), 1.0 - s.color.a);
+}

@@ -32,5 +32,9 @@ void check_effect(Effect effect, std::size_t objects) {
                           render_effects()[static_cast<std::size_t>(effect)].name, most, objects));
 }
 
+bool blends(Effect effect) {
+  return effect == Effect::transparency || effect == Effect::wireframe;
+}
+
 }  // namespace render
 }  // namespace pellucid

@@ -12,7 +12,16 @@ void append(std::string& key, const Constants& constants) {
 
 }  // namespace
 
-const ScenePipeline& Pipelines::scene(const GraphicsSpec& spec) {
+// Constants 0 to 3 are those of effect and technique; what they do not give is not read.
+Constants Pipelines::with_features(Constants constants) const {
+  constants.resize(4);
+  constants.push_back(features_);
+  return constants;
+}
+
+const ScenePipeline& Pipelines::scene(const GraphicsSpec& given) {
+  GraphicsSpec spec = given;
+  spec.constants = with_features(given.constants);
   std::string key = fmt::format("{} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
                                 static_cast<int>(spec.blend), static_cast<int>(spec.depth),
                                 static_cast<int>(spec.depth_test), spec.depth_write, spec.route_by_stencil);
@@ -23,7 +32,8 @@ const ScenePipeline& Pipelines::scene(const GraphicsSpec& spec) {
   return scene_.emplace(key, make_scene_pipeline(context_, spec)).first->second;
 }
 
-const OwnedPipeline& Pipelines::compute(std::string_view shader, const Constants& constants) {
+const OwnedPipeline& Pipelines::compute(std::string_view shader, const Constants& given) {
+  const Constants constants = with_features(given);
   std::string key(shader);
   append(key, constants);
   const auto found = compute_.find(key);

@@ -13,15 +13,25 @@ namespace pellucid::render {
 // kEffect beyond the public effects: deliver the fragments themselves (shaders/resolve/dump.glsl).
 constexpr std::uint32_t kDumpEffect = 7;
 
+// What the fragments of a pass have to be looked at for: kFeatures of shaders/interface/frame.glsl.
+enum Feature : std::uint32_t {
+  behind_opaque = 1,  // those behind opaque surfaces are none
+};
+
 // Pipelines are made once and kept as long as the device.
 class Pipelines {
  public:
   explicit Pipelines(Context& context) : context_(context) {}
+  // Of all that is asked for from now on: a sum of Feature.
+  void use_features(std::uint32_t features) { features_ = features; }
   const ScenePipeline& scene(const GraphicsSpec& spec);
   const OwnedPipeline& compute(std::string_view shader, const Constants& constants);
 
  private:
+  [[nodiscard]] Constants with_features(Constants constants) const;
+
   Context& context_;
+  std::uint32_t features_ = 0;
   std::map<std::string, ScenePipeline> scene_;
   std::map<std::string, OwnedPipeline> compute_;
 };

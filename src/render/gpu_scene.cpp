@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <iterator>
 #include <numeric>
 #include <tuple>
 
@@ -56,32 +58,63 @@ Buffer make_buffer(Context& context, const std::string& name, const std::vector<
   return buffer;
 }
 
-}  // namespace
+// What each surface means for a triangle's place in the sequence.
+struct Sequence {
+  std::vector<std::uint32_t> triangles;
+  std::vector<DrawRange> ranges;
+};
 
-GpuScene upload_scene(Context& context, const RenderScene& scene) {
-  check_scene(scene);
-  std::vector<std::uint32_t> sequence = scene.sequence;
+Sequence sequence_of(const RenderScene& scene) {
+  Sequence result;
+  std::vector<std::uint32_t>& sequence = result.triangles;
+  sequence = scene.sequence;
   if (sequence.empty()) {
     sequence.resize(scene.triangles.size());
     std::iota(sequence.begin(), sequence.end(), 0U);
   }
-  const auto culled = [&](std::uint32_t triangle) {
-    return !scene.surfaces[scene.objects[triangle]].double_sided;
+  const auto surface = [&](std::uint32_t triangle) -> const Surface& {
+    return scene.surfaces[scene.objects[triangle]];
   };
-  const auto middle =
-      std::stable_partition(sequence.begin(), sequence.end(), [&](std::uint32_t t) { return !culled(t); });
+  const auto opaque = std::stable_partition(sequence.begin(), sequence.end(),
+                                            [&](std::uint32_t t) { return !surface(t).opaque; });
+  std::stable_partition(sequence.begin(), opaque, [&](std::uint32_t t) { return surface(t).double_sided; });
+  std::sort(opaque, sequence.end(), std::greater<>());
+  for (std::uint32_t i = 0; i < sequence.size(); ++i) {
+    const Surface& s = surface(sequence[i]);
+    std::vector<DrawRange>& ranges = result.ranges;
+    if (ranges.empty() || ranges.back().culled == s.double_sided || ranges.back().opaque != s.opaque)
+      ranges.push_back({i, 0, !s.double_sided, s.opaque});
+    ++ranges.back().triangles;
+  }
+  return result;
+}
 
+}  // namespace
+
+void GpuScene::draw_only(bool opaque) {
+  ranges.clear();
+  std::copy_if(all_ranges.begin(), all_ranges.end(), std::back_inserter(ranges),
+               [&](const DrawRange& r) { return r.opaque == opaque; });
+}
+
+bool GpuScene::has_opaque() const {
+  return !all_ranges.empty() && all_ranges.back().opaque;
+}
+
+GpuScene upload_scene(Context& context, const RenderScene& scene) {
+  check_scene(scene);
+  Sequence sequence = sequence_of(scene);
   std::vector<Triangle> triangles;
   std::vector<std::array<std::uint32_t, 2>> infos;
-  triangles.reserve(sequence.size());
-  infos.reserve(sequence.size());
-  for (const std::uint32_t t : sequence) {
+  triangles.reserve(sequence.triangles.size());
+  infos.reserve(sequence.triangles.size());
+  for (const std::uint32_t t : sequence.triangles) {
     triangles.push_back(smallest_corner_first(scene.triangles[t], scene.positions));
     infos.push_back({scene.objects[t], t});
   }
   std::vector<std::array<float, 4>> surfaces;
   for (const Surface& s : scene.surfaces) {
-    surfaces.push_back({s.color.x, s.color.y, s.color.z, std::clamp(s.alpha, 0.0F, 1.0F)});
+    surfaces.push_back({s.color.x, s.color.y, s.color.z, s.opaque ? 1.0F : std::clamp(s.alpha, 0.0F, 1.0F)});
   }
 
   GpuScene gpu;
@@ -92,10 +125,8 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
   gpu.objects = make_buffer(context, "scene's objects", scene.objects);
   gpu.surfaces = make_buffer(context, "scene's surfaces", surfaces);
   gpu.object_count = static_cast<std::uint32_t>(scene.surfaces.size());
-  const auto both_sides = static_cast<std::uint32_t>(middle - sequence.begin());
-  const auto all = static_cast<std::uint32_t>(sequence.size());
-  if (both_sides > 0) gpu.ranges.push_back({0, both_sides, false});
-  if (both_sides < all) gpu.ranges.push_back({both_sides, all - both_sides, true});
+  gpu.all_ranges = std::move(sequence.ranges);
+  gpu.draw_all();
   return gpu;
 }
 

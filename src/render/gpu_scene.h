@@ -1,8 +1,9 @@
 // gpu_scene.h - a RenderScene on the device.
 //
 // Triangles are rotated so that their smallest corner comes first: two that coincide then get the same depths
-// to the bit, however their corners were listed. Those that show both sides come first, then those that are
-// culled.
+// to the bit, however their corners were listed. Translucent ones come first, of these the ones that show
+// both sides; opaque ones follow from the last to the first, so that of several at one depth the one of the
+// smallest id is drawn over the others.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +16,7 @@ namespace pellucid::render {
 struct DrawRange {
   std::uint32_t first_triangle = 0, triangles = 0;
   bool culled = false;  // back faces are not drawn
+  bool opaque = false;
 };
 
 struct GpuScene {
@@ -23,8 +25,13 @@ struct GpuScene {
   Buffer triangles;  // as drawn: object, number of the triangle in the RenderScene
   Buffer objects;    // of the RenderScene's triangles
   Buffer surfaces;   // colour and alpha
-  std::vector<DrawRange> ranges;
+  std::vector<DrawRange> all_ranges;
+  std::vector<DrawRange> ranges;  // of these, what a pass draws: see draw_all() and the others
   std::uint32_t object_count = 0;
+
+  void draw_all() { ranges = all_ranges; }
+  void draw_only(bool opaque);
+  [[nodiscard]] bool has_opaque() const;
 };
 
 // Throws Error{bad_argument} for members that do not fit together.

@@ -35,7 +35,7 @@ class Reference {
 
  private:
   [[nodiscard]] Vec3d pixel(std::uint64_t p, std::span<const Fragment> fragments);
-  [[nodiscard]] Vec3d blended(const Shaded& shaded) const;
+  [[nodiscard]] Vec3d blended(std::uint64_t p, const Shaded& shaded) const;
   void draw_edges(std::uint64_t p, Shaded& shaded) const;
   [[nodiscard]] Vec3d coplanarity(const std::vector<Group>& groups) const;
   [[nodiscard]] Vec3d complexity(std::size_t count) const;
@@ -48,12 +48,16 @@ class Reference {
   [[nodiscard]] std::optional<std::array<double, 2>> on_screen(const Vec3f& position) const;
   [[nodiscard]] double view_distance(double depth) const;
   void drop_culled(FragmentBuffer& fragments) const;
+  // The background of a pixel, and what is in front of it.
+  std::span<const Fragment> in_front_of_opaque(std::uint64_t p, std::span<const Fragment> fragments);
+  void drop_hidden(FragmentBuffer& fragments);
 
   const RenderScene& scene_;
   const Camera& camera_;
   const RenderOptions& options_;
   Mesh mesh_;
   Vec3d background_;
+  std::vector<Vec3d> opaque_;  // the background of every pixel, where an effect blends
   ShadingOptions shading_;
   Shaded shaded_;
   std::optional<FragmentShader> shader_;
@@ -65,7 +69,8 @@ Reference::Reference(const RenderScene& scene, const Camera& camera, const Rende
   mesh_.normals = scene.normals;
   mesh_.triangles = scene.triangles;
   shading_.background = options.background;
-  for (const Surface& s : scene.surfaces) shading_.looks.push_back({s.color, static_cast<double>(s.alpha)});
+  for (const Surface& s : scene.surfaces)
+    shading_.looks.push_back({s.color, s.opaque ? 1.0 : static_cast<double>(s.alpha)});
   shading_.triangle_looks = scene.objects;
   shader_.emplace(mesh_, camera_, shading_);
 }
@@ -84,14 +89,41 @@ void Reference::drop_culled(FragmentBuffer& fragments) const {
   fragments.fragments = std::move(kept.fragments);
 }
 
-Vec3d Reference::blended(const Shaded& shaded) const {
+std::span<const Fragment> Reference::in_front_of_opaque(std::uint64_t p,
+                                                        std::span<const Fragment> fragments) {
+  const auto opaque = std::find_if(fragments.begin(), fragments.end(), [&](const Fragment& f) {
+    return scene_.surfaces[scene_.objects[triangle_of(f.node)]].opaque;
+  });
+  if (opaque == fragments.end()) return fragments;
+  shader_->shade(p, std::span(opaque, 1), shaded_);
+  if (options_.effect == Effect::wireframe) draw_edges(p, shaded_);
+  opaque_[p] = shaded_.front().color;
+  const auto end =
+      std::find_if(fragments.begin(), opaque, [&](const Fragment& f) { return f.depth >= opaque->depth; });
+  return {fragments.begin(), end};
+}
+
+void Reference::drop_hidden(FragmentBuffer& fragments) {
+  opaque_.assign(fragments.offsets.size() - 1, background_);
+  FragmentBuffer kept;
+  kept.offsets.push_back(0);
+  for (std::size_t p = 0; p + 1 < fragments.offsets.size(); ++p) {
+    const auto seen = in_front_of_opaque(p, fragments.pixel(p));
+    kept.fragments.insert(kept.fragments.end(), seen.begin(), seen.end());
+    kept.offsets.push_back(kept.fragments.size());
+  }
+  fragments.offsets = std::move(kept.offsets);
+  fragments.fragments = std::move(kept.fragments);
+}
+
+Vec3d Reference::blended(std::uint64_t p, const Shaded& shaded) const {
   Vec3d color{};
   double transmittance = 1;
   for (const ShadedFragment& f : shaded) {
     color += f.color * (f.alpha * transmittance);
     transmittance *= 1 - f.alpha;
   }
-  return color + background_ * transmittance;
+  return color + opaque_[p] * transmittance;
 }
 
 std::optional<std::array<double, 2>> Reference::on_screen(const Vec3f& position) const {
@@ -219,13 +251,13 @@ Vec3d Reference::self_collision(std::span<const Fragment> fragments, const std::
 }
 
 Vec3d Reference::pixel(std::uint64_t p, std::span<const Fragment> fragments) {
-  if (fragments.empty()) return background_;
+  if (fragments.empty()) return opaque_.empty() ? background_ : opaque_[p];
   shader_->shade(p, fragments, shaded_);
   const std::vector<Group> groups = groups_of(fragments);
   switch (options_.effect) {
     case Effect::wireframe:
       draw_edges(p, shaded_);
-      return blended(shaded_);
+      return blended(p, shaded_);
     case Effect::csg:
       return csg(fragments, groups, shaded_);
     case Effect::self_collision:
@@ -239,7 +271,7 @@ Vec3d Reference::pixel(std::uint64_t p, std::span<const Fragment> fragments) {
     case Effect::transparency:
       break;
   }
-  return blended(shaded_);
+  return blended(p, shaded_);
 }
 
 RenderResult Reference::draw() {
@@ -247,6 +279,7 @@ RenderResult Reference::draw() {
   FragmentBuffer fragments;
   rasterize(mesh_, camera_, {}, fragments);
   drop_culled(fragments);
+  if (render::blends(options_.effect)) drop_hidden(fragments);
   RenderResult result;
   result.width = camera_.width;
   result.height = camera_.height;

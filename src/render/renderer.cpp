@@ -10,6 +10,7 @@
 #include "capture/technique.h"
 #include "effects.h"
 #include "frame.h"
+#include "opaque_layer.h"
 
 namespace pellucid {
 namespace render {
@@ -110,6 +111,8 @@ struct Renderer::Implementation {
 
   void draw_band(const Job& job, const Band& band, RenderResult& result);
   render::Frame make_frame(const Job& job, const Band& band);
+  // What is opaque, where the effect blends; afterwards the rest remains to be drawn.
+  void draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats);
   // Fragments of every pixel.
   std::vector<std::uint32_t> count(const Job& job, render::Frame& frame);
   void capture(const Job& job, render::Frame& frame, render::Technique& technique, RenderResult& result,
@@ -125,6 +128,7 @@ struct Renderer::Implementation {
   render::Pipelines pipelines;
   render::OwnedQueryPool timestamps;
   std::optional<render::GpuScene> scene;
+  std::optional<render::OpaqueLayer> opaque;
   render::Buffer unused;  // in slots that a shader mentions but does not reach
   render::Buffer frame_buffer, picture, dump;
 };
@@ -154,6 +158,7 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
     recorder.bind(render::Slot::positions, scene->positions);
     recorder.bind(render::Slot::objects, scene->objects);
     recorder.bind(render::Slot::counters, frame.counters);
+    recorder.bind(render::Slot::opaque, opaque->nearest());
     if (picture) recorder.bind(render::Slot::picture, picture);
     if (dump) recorder.bind(render::Slot::dump, dump);
     recorder.begin_time();
@@ -170,6 +175,25 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
   const double milliseconds_per_tick = context.nanoseconds_per_tick() * 1e-6;
   stats.milliseconds += static_cast<double>(ticks[2] - ticks[0]) * milliseconds_per_tick;
   stats.resolve_milliseconds += static_cast<double>(ticks[2] - ticks[1]) * milliseconds_per_tick;
+}
+
+void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats) {
+  const bool needed = render::OpaqueLayer::needed(frame);
+  opaque.emplace(frame);
+  pipelines.use_features(0);
+  scene->draw_only(true);
+  const render::FrameData data = render::frame_data(job.camera, frame);
+  render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
+  run(job, frame, stats, [&](render::Recorder& recorder) {
+    recorder.prepare(opaque->nearest());
+    if (needed) opaque->draw(frame, recorder);
+  });
+  if (needed) {
+    pipelines.use_features(render::behind_opaque);
+    scene->draw_only(false);
+  } else {
+    scene->draw_all();
+  }
 }
 
 std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, render::Frame& frame) {
@@ -277,12 +301,16 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   };
   render::Frame frame = make_frame(job, band);
   if (band.rows > 1 && 32 * frame.pixels() > most) return halves();
+  CaptureStats before;
+  draw_opaque(job, frame, before);
   const std::vector<std::uint32_t> counts = count(job, frame);
   const std::unique_ptr<render::Technique> technique = job.technique.make();
   const std::uint64_t needed =
       std::max(technique->largest_buffer(frame),
                job.effect == render::kDumpEffect ? 4 * (frame.pixels() + 1) + 8 * frame.fragments : 0);
   if (band.rows > 1 && needed > most) return halves();
+  result.stats.milliseconds += before.milliseconds;
+  result.stats.geometry_passes += before.geometry_passes;
   capture(job, frame, *technique, result, counts);
 }
 
@@ -383,6 +411,7 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
     self.draw_band(job, {0, camera.height}, dumped);
     result.fragments = std::move(dumped.fragments);
   }
+  self.opaque.reset();
   self.picture = {};
   self.dump = {};
   return result;

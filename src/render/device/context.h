@@ -86,7 +86,7 @@ class Context {
 
 // The one descriptor set that all shaders share (shaders/interface/frame.glsl): storage buffers, then images.
 constexpr std::uint32_t kFirstImageSlot = 18;
-constexpr std::uint32_t kSlots = 21;
+constexpr std::uint32_t kSlots = 22;
 // Bytes of push constants.
 constexpr std::uint32_t kPushBytes = 32;
 

@@ -38,7 +38,8 @@ enum class Slot : std::uint32_t {
   e,
   image_0,
   image_1,
-  image_2
+  image_2,
+  opaque
 };
 
 constexpr std::uint32_t kTimestamps = 3;

@@ -40,6 +40,7 @@ struct DeviceInfo {
   bool atomics64 = false;              // 64-bit atomics on buffers
   bool layered = false;                // vertex shaders may choose the layer of an attachment
   bool precise_queries = false;        // occlusion queries count
+  bool conditional = false;            // draws that depend on a query (VK_EXT_conditional_rendering)
 };
 
 // ----------------------------------------------------------------------------------------- what is drawn
@@ -96,6 +97,7 @@ struct TechniqueInfo {
   std::string captures;        // in words, where it is not exact
   std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
   std::string bytes_formula;   // of a pixel
+  bool can_cull = false;       // RenderOptions::cull
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
   bool needs_atomics64 = false, needs_layered = false;
 };
@@ -116,6 +118,8 @@ struct RenderOptions {
   std::uint64_t pool = 0;
   // Sort with an insertion sort of a local array, as is common: to measure against.
   bool plain_resolve = false;
+  // Techniques that peel with the depth test or from both ends: do not draw again what is peeled completely.
+  bool cull = false;
   // Count what is captured and how much of it is coplanar. Without, CaptureStats has neither, and kernels
   // that sort leave a pixel where nothing behind can be seen.
   bool statistics = true;
@@ -135,6 +139,7 @@ struct CaptureStats {
   std::uint32_t rounds = 0;             // of techniques that peel
   std::uint32_t geometry_passes = 0;    // how often all triangles were drawn
   std::uint32_t fullscreen_passes = 0;  // compute passes over the picture
+  double drawn_share = 1;               // of triangles x geometry passes, with RenderOptions::cull
   std::uint64_t bytes = 0;              // of the technique's own buffers and images
   double milliseconds = 0;              // on the device, from the first clear to the finished picture
   double resolve_milliseconds = 0;      // of them, sorting and folding what was captured

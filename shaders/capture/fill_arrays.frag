@@ -3,7 +3,8 @@
 #include "../interface/frame.glsl"
 #include "../interface/fragment_input.glsl"
 #include "../interface/counters.glsl"
-// An array of kK nodes for every pixel, in the sequence of drawing. A: fragments so far; C: depths of all nodes, then their ids and colours.
+// An array of kK nodes for every pixel, in the sequence of drawing. A: fragments so far; C: depths of all nodes, then their
+// ids and colours.
 layout(std430, set = 0, binding = SLOT_A) buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {

@@ -7,6 +7,7 @@
 #include <array>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -89,12 +90,57 @@ Sequence sequence_of(const RenderScene& scene) {
   return result;
 }
 
+void grow(TriangleGroup& group, const Vec3f& p) {
+  group.low = {std::min(group.low.x, p.x), std::min(group.low.y, p.y), std::min(group.low.z, p.z)};
+  group.high = {std::max(group.high.x, p.x), std::max(group.high.y, p.y), std::max(group.high.z, p.z)};
+}
+
+constexpr float kFar = std::numeric_limits<float>::max();
+constexpr TriangleGroup kNoTriangles{.range = {}, .low = {kFar, kFar, kFar}, .high = {-kFar, -kFar, -kFar}};
+
+// About 256 groups, each of one object where objects are not tiny.
+std::vector<TriangleGroup> groups_of(const RenderScene& scene, const Sequence& sequence) {
+  const std::size_t most = std::max<std::size_t>(32, sequence.triangles.size() / 256);
+  const auto object = [&](std::uint32_t place) { return scene.objects[sequence.triangles[place]]; };
+  TriangleGroup whole = kNoTriangles;
+  std::vector<TriangleGroup> groups;
+  for (const DrawRange& range : sequence.ranges) {
+    for (std::uint32_t i = range.first_triangle; i < range.first_triangle + range.triangles; ++i) {
+      const bool begins = i == range.first_triangle || groups.back().range.triangles >= most ||
+                          (groups.back().range.triangles >= most / 4 && object(i) != object(i - 1));
+      if (begins) {
+        groups.push_back(kNoTriangles);
+        groups.back().range = {i, 0, range.culled, range.opaque};
+      }
+      ++groups.back().range.triangles;
+      for (const std::uint32_t vertex : scene.triangles[sequence.triangles[i]]) {
+        grow(groups.back(), scene.positions[vertex]);
+        grow(whole, scene.positions[vertex]);
+      }
+    }
+  }
+  const float margin = groups.empty() ? 0 : length(whole.high - whole.low) / 512;
+  for (TriangleGroup& group : groups) {
+    grow(group, group.low - Vec3f{margin, margin, margin});
+    grow(group, group.high + Vec3f{margin, margin, margin});
+  }
+  return groups;
+}
+
 }  // namespace
+
+void GpuScene::draw_all() {
+  ranges = all_ranges;
+  groups = all_groups;
+}
 
 void GpuScene::draw_only(bool opaque) {
   ranges.clear();
   std::copy_if(all_ranges.begin(), all_ranges.end(), std::back_inserter(ranges),
                [&](const DrawRange& r) { return r.opaque == opaque; });
+  groups.clear();
+  std::copy_if(all_groups.begin(), all_groups.end(), std::back_inserter(groups),
+               [&](const TriangleGroup& g) { return g.range.opaque == opaque; });
 }
 
 bool GpuScene::has_opaque() const {
@@ -125,6 +171,7 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
   gpu.objects = make_buffer(context, "scene's objects", scene.objects);
   gpu.surfaces = make_buffer(context, "scene's surfaces", surfaces);
   gpu.object_count = static_cast<std::uint32_t>(scene.surfaces.size());
+  gpu.all_groups = groups_of(scene, sequence);
   gpu.all_ranges = std::move(sequence.ranges);
   gpu.draw_all();
   return gpu;

@@ -19,6 +19,13 @@ struct DrawRange {
   bool opaque = false;
 };
 
+// Neighbours in the sequence, with a box that is somewhat larger than they are: more than what rasterisation
+// rounds.
+struct TriangleGroup {
+  DrawRange range;
+  Vec3f low, high;
+};
+
 struct GpuScene {
   Buffer positions, normals;
   Buffer indices;
@@ -27,9 +34,11 @@ struct GpuScene {
   Buffer surfaces;   // colour and alpha
   std::vector<DrawRange> all_ranges;
   std::vector<DrawRange> ranges;  // of these, what a pass draws: see draw_all() and the others
+  std::vector<TriangleGroup> all_groups;
+  std::vector<TriangleGroup> groups;  // the same triangles as `ranges`
   std::uint32_t object_count = 0;
 
-  void draw_all() { ranges = all_ranges; }
+  void draw_all();
   void draw_only(bool opaque);
   [[nodiscard]] bool has_opaque() const;
 };

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "capture/technique.h"
+#include "culling.h"
 #include "effects.h"
 #include "frame.h"
 #include "opaque_layer.h"
@@ -115,6 +116,8 @@ struct Renderer::Implementation {
   void draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats);
   // Fragments of every pixel.
   std::vector<std::uint32_t> count(const Job& job, render::Frame& frame);
+  std::optional<render::Culling> start_culling(const Job& job, const render::Frame& frame,
+                                               CaptureStats& stats);
   void capture(const Job& job, render::Frame& frame, render::Technique& technique, RenderResult& result,
                const std::vector<std::uint32_t>& counts);
   // Record, submit, time.
@@ -214,6 +217,15 @@ std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, rende
   return values;
 }
 
+std::optional<render::Culling> Renderer::Implementation::start_culling(const Job& job,
+                                                                       const render::Frame& frame,
+                                                                       CaptureStats& stats) {
+  if (!job.options.cull || frame.scene.groups.empty()) return std::nullopt;
+  std::optional<render::Culling> culling(std::in_place, frame);
+  run(job, frame, stats, [&](render::Recorder& recorder) { culling->start(recorder); });
+  return culling;
+}
+
 void Renderer::Implementation::capture(const Job& job, render::Frame& frame, render::Technique& technique,
                                        RenderResult& result, const std::vector<std::uint32_t>& counts) {
   CaptureStats& stats = result.stats;
@@ -241,15 +253,28 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1)));
   };
   if (technique.peels()) {
+    const std::optional<render::Culling> culling = start_culling(job, frame, stats);
+    std::uint64_t drawn = 0;
     // A round per depth layer and pair of coplanar fragments at most, and one that finds nothing.
     const std::uint64_t most_rounds = frame.deepest + 2;
     for (std::uint32_t round = 0; round < most_rounds; ++round) {
-      run(job, frame, stats, [&](render::Recorder& recorder) { technique.peel(frame, recorder, round); });
+      if (culling) drawn += culling->triangles_left(context);
+      run(job, frame, stats, [&](render::Recorder& recorder) {
+        if (culling) recorder.draw_groups(culling->groups(), culling->predicates());
+        technique.peel(frame, recorder, round);
+        if (!culling) return;
+        recorder.barrier();
+        culling->test(frame, recorder, technique.box_shader());
+      });
       ++stats.rounds;
       read_counters();
       if (counters.active_pixels == 0) break;
     }
     run(job, frame, stats, [&](render::Recorder& recorder) { technique.finish(frame, recorder); });
+    if (culling) {
+      const std::uint64_t all = culling->triangles() * stats.rounds;
+      stats.drawn_share = all == 0 ? 1 : static_cast<double>(drawn) / static_cast<double>(all);
+    }
   }
   read_counters();
   stats.fragments += frame.fragments;
@@ -378,7 +403,16 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
   render::check_effect(options.effect, objects);
 }
 
-void check_blends(const TechniqueInfo& technique, const RenderOptions& options) {
+void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
+  if (options.cull && !technique.can_cull) {
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--cull: --technique {} does not peel, so nothing is drawn twice", technique.name));
+  }
+  if (options.cull && !device.conditional) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--cull needs conditional rendering, which {} has not", device.name));
+  }
   if (!technique.blends_only) return;
   if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
     throw Error(ErrorKind::bad_argument,
@@ -400,7 +434,7 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
   check_options(camera, options, info(), self.scene->object_count);
   Implementation::Job job{camera, options, find_technique(options, info()),
                           static_cast<std::uint32_t>(options.effect), progress};
-  check_blends(job.technique.info, options);
+  check_technique(job.technique.info, options, info());
   RenderResult result;
   result.width = camera.width;
   result.height = camera.height;

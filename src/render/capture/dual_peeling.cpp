@@ -42,6 +42,9 @@ class DualPeeling final : public Technique {
     fold_.fold(frame, recorder);
   }
 
+  [[nodiscard]] std::string_view box_shader() const override {
+    return form_.sides == 1 ? "capture/box_1.frag" : "capture/box_2.frag";
+  }
   void finish(Frame& frame, Recorder& recorder) override { fold_.finish(frame, recorder); }
 
  private:
@@ -63,7 +66,8 @@ TechniqueEntry f2b_2p() {
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all",
            .passes_formula = "2 sum of ceil(C / 2) + 1",
-           .bytes_formula = "104"},
+           .bytes_formula = "104",
+           .can_cull = true},
           make<LayerStorage::pairs, 1>};
 }
 
@@ -75,6 +79,7 @@ TechniqueEntry dual() {
            .captures = "of fragments at one depth one: of the smallest id in front, of the largest behind",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "96",
+           .can_cull = true,
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2, false>};
 }
@@ -85,7 +90,8 @@ TechniqueEntry dual_2p() {
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all",
            .passes_formula = "1 + 1 to 2 times the sum of ceil(C / 2)",
-           .bytes_formula = "204"},
+           .bytes_formula = "204",
+           .can_cull = true},
           make<LayerStorage::pairs, 2>};
 }
 
@@ -95,7 +101,8 @@ TechniqueEntry dual_ll() {
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all that the pool has room for",
            .passes_formula = "ceil(D / 2) + 1",
-           .bytes_formula = "12 N + 92"},
+           .bytes_formula = "12 N + 92",
+           .can_cull = true},
           make<LayerStorage::lists, 2>};
 }
 
@@ -106,6 +113,7 @@ TechniqueEntry dual_kb() {
            .captures = "all",
            .passes_formula = "1 + half to all of the sum of ceil(C / K)",
            .bytes_formula = "16 K + 100",
+           .can_cull = true,
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2>};
 }
@@ -118,7 +126,8 @@ TechniqueEntry dual_fab() {
            .order_free = false,
            .captures = "of more than k fragments at one depth, those drawn first",
            .passes_formula = "ceil(D / 2) + 1",
-           .bytes_formula = "16 K + 92"},
+           .bytes_formula = "16 K + 92",
+           .can_cull = true},
           make<LayerStorage::arrays, 2>};
 }
 

@@ -56,6 +56,7 @@ class FrontToBack final : public Technique {
     fold_.fold(frame, recorder);
   }
 
+  [[nodiscard]] std::string_view box_shader() const override { return "capture/box_image.frag"; }
   void finish(Frame& frame, Recorder& recorder) override { fold_.finish(frame, recorder); }
 
  private:
@@ -123,7 +124,8 @@ TechniqueEntry f2b() {
            .order_free = false,
            .captures = "of fragments at one depth, the one drawn last",
            .passes_formula = "D + 1",
-           .bytes_formula = "48"},
+           .bytes_formula = "48",
+           .can_cull = true},
           make<LayerStorage::image, false>};
 }
 
@@ -135,7 +137,8 @@ TechniqueEntry f2b2() {
            .order_free = false,
            .captures = "of fragments at one depth, the one drawn last",
            .passes_formula = "2 (D + 1)",
-           .bytes_formula = "48"},
+           .bytes_formula = "48",
+           .can_cull = true},
           make<LayerStorage::image, true>};
 }
 
@@ -145,7 +148,8 @@ TechniqueEntry f2b_3p() {
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all",
            .passes_formula = "3 (sum of ceil(C / 2) + 1)",
-           .bytes_formula = "104"},
+           .bytes_formula = "104",
+           .can_cull = true},
           make<LayerStorage::pairs, true>};
 }
 
@@ -155,7 +159,8 @@ TechniqueEntry f2b_ll() {
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all that the pool has room for",
            .passes_formula = "2 (D + 1)",
-           .bytes_formula = "12 N + 48"},
+           .bytes_formula = "12 N + 48",
+           .can_cull = true},
           make<LayerStorage::lists, true>};
 }
 
@@ -166,6 +171,7 @@ TechniqueEntry f2b_kb() {
            .captures = "all",
            .passes_formula = "2 (sum of ceil(C / K) + 1)",
            .bytes_formula = "8 K + 52",
+           .can_cull = true,
            .needs_atomics64 = true},
           make<LayerStorage::chains, true>};
 }
@@ -178,7 +184,8 @@ TechniqueEntry f2b_fab() {
            .order_free = false,
            .captures = "of more than k fragments at one depth, those drawn first",
            .passes_formula = "2 (D + 1)",
-           .bytes_formula = "8 K + 48"},
+           .bytes_formula = "8 K + 48",
+           .can_cull = true},
           make<LayerStorage::arrays, true>};
 }
 

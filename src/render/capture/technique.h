@@ -24,6 +24,9 @@ class Technique {
   // Techniques that peel: one round, until one leaves nothing to be found (counters.active_pixels is 0 then).
   virtual void peel(Frame& /*frame*/, Recorder& /*recorder*/, std::uint32_t /*round*/) {}
   [[nodiscard]] virtual bool peels() const { return false; }
+  // Those with TechniqueInfo::can_cull: the shader that says, after a round, whether a box can have fragments
+  // left; what the round bound stays bound (culling.h).
+  [[nodiscard]] virtual std::string_view box_shader() const { return ""; }
   // After the last round of those that peel.
   virtual void finish(Frame& /*frame*/, Recorder& /*recorder*/) {}
 };

@@ -223,7 +223,12 @@ void Context::read_info() {
   info_.max_side =
       std::min({limits.maxFramebufferWidth, limits.maxFramebufferHeight, limits.maxImageDimension2D});
 
-  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
+  const bool may_be_conditional =
+      has(device_extensions(physical_), VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
+  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                              .pNext = may_be_conditional ? &conditional : nullptr};
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                      .pNext = &features12};
   vkGetPhysicalDeviceFeatures2(physical_, &features);
@@ -231,6 +236,7 @@ void Context::read_info() {
       features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
   info_.layered = features12.shaderOutputLayer == VK_TRUE;
   info_.precise_queries = features.features.occlusionQueryPrecise == VK_TRUE;
+  info_.conditional = conditional.conditionalRendering == VK_TRUE && features.features.depthClamp == VK_TRUE;
 }
 
 void Context::create_device() {
@@ -240,7 +246,11 @@ void Context::create_device() {
                                       .queueFamilyIndex = queue_family_,
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
+  VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT,
+      .conditionalRendering = VK_TRUE};
   VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                              .pNext = info_.conditional ? &conditional : nullptr,
                                               .synchronization2 = VK_TRUE,
                                               .dynamicRendering = VK_TRUE};
   VkPhysicalDeviceVulkan12Features features12{
@@ -253,20 +263,26 @@ void Context::create_device() {
       .pNext = &features12,
       .features = {.independentBlend = VK_TRUE,
                    .geometryShader = VK_TRUE,  // gl_PrimitiveID in fragment shaders
+                   .depthClamp = info_.conditional ? VK_TRUE : VK_FALSE,
                    .occlusionQueryPrecise = info_.precise_queries ? VK_TRUE : VK_FALSE,
                    .fragmentStoresAndAtomics = VK_TRUE,
                    .shaderInt64 = info_.atomics64 ? VK_TRUE : VK_FALSE}};
-  const char* extension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
+  const std::array<const char*, 2> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME,
+                                              VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME};
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue,
-                                .enabledExtensionCount = 1,
-                                .ppEnabledExtensionNames = &extension};
+                                .enabledExtensionCount = info_.conditional ? 2U : 1U,
+                                .ppEnabledExtensionNames = extensions.data()};
   check(vkCreateDevice(physical_, &info, nullptr, &device_.handle), "creating the device");
   vkGetDeviceQueue(device_.handle, queue_family_, 0, &queue_);
   push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
       vkGetDeviceProcAddr(device_.handle, "vkCmdPushDescriptorSetKHR"));
+  begin_conditional_ = reinterpret_cast<PFN_vkCmdBeginConditionalRenderingEXT>(
+      vkGetDeviceProcAddr(device_.handle, "vkCmdBeginConditionalRenderingEXT"));
+  end_conditional_ = reinterpret_cast<PFN_vkCmdEndConditionalRenderingEXT>(
+      vkGetDeviceProcAddr(device_.handle, "vkCmdEndConditionalRenderingEXT"));
 
   const VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                      .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,

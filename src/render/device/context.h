@@ -38,6 +38,9 @@ class Context {
   [[nodiscard]] VkPipelineLayout pipeline_layout() const { return pipeline_layout_.get(); }
   [[nodiscard]] const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
   [[nodiscard]] PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }
+  // Only with DeviceInfo::conditional.
+  [[nodiscard]] PFN_vkCmdBeginConditionalRenderingEXT begin_conditional() const { return begin_conditional_; }
+  [[nodiscard]] PFN_vkCmdEndConditionalRenderingEXT end_conditional() const { return end_conditional_; }
   [[nodiscard]] double nanoseconds_per_tick() const { return nanoseconds_per_tick_; }
 
   // Record, run and wait. Throws Error{internal} on device loss.
@@ -79,6 +82,8 @@ class Context {
   OwnedDevice device_;
   VkQueue queue_ = VK_NULL_HANDLE;
   PFN_vkCmdPushDescriptorSetKHR push_descriptors_ = nullptr;
+  PFN_vkCmdBeginConditionalRenderingEXT begin_conditional_ = nullptr;
+  PFN_vkCmdEndConditionalRenderingEXT end_conditional_ = nullptr;
   OwnedCommandPool commands_;
   OwnedDescriptorSetLayout set_layout_;
   OwnedPipelineLayout pipeline_layout_;

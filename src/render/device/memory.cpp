@@ -61,7 +61,9 @@ Buffer::Buffer(Context& context, const std::string& name, std::uint64_t bytes, M
       .size = bytes_,
       .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
-               VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT};
+               VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+               (context.info().conditional ? VkBufferUsageFlags{VK_BUFFER_USAGE_CONDITIONAL_RENDERING_BIT_EXT}
+                                           : VkBufferUsageFlags{0})};
   VkBuffer buffer = VK_NULL_HANDLE;
   check(vkCreateBuffer(context.device(), &info, nullptr, &buffer), "creating a buffer");
   buffer_ = {context.device(), buffer};

@@ -121,6 +121,25 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
                                   .pStencilAttachment = attachments.layers > 1 ? &depth : nullptr};
   vkCmdBeginRendering(commands_, &rendering);
   if (attachments.layers > 1) number_stencils(area, attachments.layers);
+  set_window(attachments);
+  push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
+  const std::array<VkBuffer, 2> vertices{scene.positions.get(), scene.normals.get()};
+  const std::array<VkDeviceSize, 2> offsets{};
+  vkCmdBindVertexBuffers(commands_, 0, 2, vertices.data(), offsets.data());
+  vkCmdBindIndexBuffer(commands_, scene.indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  if (predicates_ == nullptr) {
+    for (const DrawRange& range : scene.ranges) draw_range(range, pipeline, attachments.layers);
+  } else {
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      begin_if(*predicates_, i);
+      draw_range(groups_[i], pipeline, attachments.layers);
+      context_.end_conditional()(commands_);
+    }
+  }
+  vkCmdEndRendering(commands_);
+}
+
+void Recorder::set_window(const Attachments& attachments) {
   // A band is a window on the whole picture: moved by whole pixels, nothing rasterises differently.
   const VkViewport viewport{.x = 0,
                             .y = -static_cast<float>(attachments.first_row),
@@ -129,32 +148,73 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
                             .minDepth = 0,
                             .maxDepth = 1};
   vkCmdSetViewport(commands_, 0, 1, &viewport);
+  const VkRect2D area{.offset = {0, 0}, .extent = {attachments.width, attachments.height}};
   vkCmdSetScissor(commands_, 0, 1, &area);
+}
+
+void Recorder::push_words() {
+  vkCmdPushConstants(commands_, context_.pipeline_layout(),
+                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
+                     0, sizeof push_, &push_);
+}
+
+void Recorder::draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers) {
+  const OwnedPipeline& chosen = range.culled ? pipeline.culled : pipeline.two_sided;
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, chosen.get());
+  push_.first_triangle = range.first_triangle;
+  push_words();
+  vkCmdDrawIndexed(commands_, 3 * range.triangles, layers, 3 * range.first_triangle, 0, 0);
+}
+
+void Recorder::begin_if(const Buffer& predicates, std::size_t index) {
+  const VkConditionalRenderingBeginInfoEXT info{
+      .sType = VK_STRUCTURE_TYPE_CONDITIONAL_RENDERING_BEGIN_INFO_EXT,
+      .buffer = predicates.get(),
+      .offset = 4 * static_cast<VkDeviceSize>(index)};
+  context_.begin_conditional()(commands_, &info);
+}
+
+void Recorder::draw_groups(std::span<const DrawRange> groups, const Buffer& predicates) {
+  groups_ = groups;
+  predicates_ = &predicates;
+}
+
+void Recorder::draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeline,
+                          const Attachments& attachments) {
+  vkCmdResetQueryPool(commands_, boxes.queries, 0, boxes.count);
+  const VkRenderingInfo rendering{
+      .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+      .renderArea = {.offset = {0, 0}, .extent = {attachments.width, attachments.height}},
+      .layerCount = 1};
+  vkCmdBeginRendering(commands_, &rendering);
+  set_window(attachments);
   push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
-  const std::array<VkBuffer, 2> vertices{scene.positions.get(), scene.normals.get()};
+  const std::array<VkBuffer, 2> vertices{boxes.corners.get(), boxes.corners.get()};
   const std::array<VkDeviceSize, 2> offsets{};
   vkCmdBindVertexBuffers(commands_, 0, 2, vertices.data(), offsets.data());
-  vkCmdBindIndexBuffer(commands_, scene.indices.get(), 0, VK_INDEX_TYPE_UINT32);
-  for (const DrawRange& range : scene.ranges) {
-    const OwnedPipeline& chosen = range.culled ? pipeline.culled : pipeline.two_sided;
-    vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, chosen.get());
-    push_.first_triangle = range.first_triangle;
-    vkCmdPushConstants(
-        commands_, context_.pipeline_layout(),
-        VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
-        sizeof push_, &push_);
-    vkCmdDrawIndexed(commands_, 3 * range.triangles, attachments.layers, 3 * range.first_triangle, 0, 0);
+  vkCmdBindIndexBuffer(commands_, boxes.indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.culled.get());
+  for (std::uint32_t i = 0; i < boxes.count; ++i) {
+    push_.p[0] = i;
+    push_words();
+    begin_if(boxes.predicates, i);
+    vkCmdBeginQuery(commands_, boxes.queries, i, 0);
+    vkCmdDrawIndexed(commands_, boxes.index_count, 1, 0, static_cast<std::int32_t>(8 * i), 0);
+    vkCmdEndQuery(commands_, boxes.queries, i);
+    context_.end_conditional()(commands_);
   }
   vkCmdEndRendering(commands_);
+  barrier();
+  vkCmdCopyQueryPoolResults(commands_, boxes.queries, 0, boxes.count, boxes.predicates.get(), 0, 4,
+                            VK_QUERY_RESULT_WAIT_BIT);
+  barrier();
 }
 
 void Recorder::dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, std::uint32_t groups_y) {
   count_fullscreen_pass();
   push_state(VK_PIPELINE_BIND_POINT_COMPUTE);
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
-  vkCmdPushConstants(commands_, context_.pipeline_layout(),
-                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
-                     0, sizeof push_, &push_);
+  push_words();
   vkCmdDispatch(commands_, groups_x, groups_y, 1);
 }
 
@@ -162,9 +222,7 @@ void Recorder::dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& ar
                                  std::uint64_t offset) {
   push_state(VK_PIPELINE_BIND_POINT_COMPUTE);
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
-  vkCmdPushConstants(commands_, context_.pipeline_layout(),
-                     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
-                     0, sizeof push_, &push_);
+  push_words();
   vkCmdDispatchIndirect(commands_, arguments.get(), offset);
 }
 

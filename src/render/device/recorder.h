@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "memory.h"
@@ -14,6 +15,7 @@
 
 namespace pellucid::render {
 
+struct DrawRange;
 struct GpuScene;
 
 // Slots of the descriptor set: shaders/interface/frame.glsl.
@@ -63,6 +65,16 @@ struct Attachments {
   std::uint32_t layers = 1;  // more: one instance to each; stencils start at their layer + 2
 };
 
+// Boxes that are drawn one by one, each with a query whose result decides whether it is drawn the next time.
+struct QueriedBoxes {
+  const Buffer& corners;  // eight each
+  const Buffer& indices;
+  std::uint32_t index_count = 0;
+  const Buffer& predicates;  // a word each
+  VkQueryPool queries = VK_NULL_HANDLE;
+  std::uint32_t count = 0;
+};
+
 class Recorder {
  public:
   // All buffer slots hold `unused` until something else is bound.
@@ -81,6 +93,11 @@ class Recorder {
 
   // One geometry pass: all triangles of the scene.
   void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments);
+  // From now on draw() draws these instead of the scene's ranges, each one if its word in `predicates` is not
+  // 0.
+  void draw_groups(std::span<const DrawRange> groups, const Buffer& predicates);
+  // Far sides of boxes, culled by winding; push.p0 is the box.
+  void draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeline, const Attachments& attachments);
   void dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, std::uint32_t groups_y);
   // As many groups as the three words at `offset` say.
   void dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset);
@@ -96,6 +113,10 @@ class Recorder {
 
  private:
   void push_state(VkPipelineBindPoint point);
+  void push_words();
+  void begin_if(const Buffer& predicates, std::size_t index);
+  void set_window(const Attachments& attachments);
+  void draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers);
   void write_timestamp(std::uint32_t query);
   void number_stencils(const VkRect2D& area, std::uint32_t layers);
 
@@ -103,6 +124,8 @@ class Recorder {
   VkCommandBuffer commands_;
   VkQueryPool timestamps_;
   bool resolves_ = false;
+  std::span<const DrawRange> groups_;
+  const Buffer* predicates_ = nullptr;
   PushConstants push_;
   std::array<VkDescriptorBufferInfo, kFirstImageSlot> buffers_{};
   std::array<VkDescriptorImageInfo, kSlots - kFirstImageSlot> images_{};

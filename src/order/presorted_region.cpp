@@ -101,7 +101,7 @@ class RegionPresorter {
 
  private:
   void list_incoming_edges() {
-    const RegionEdges& edges = problem_.edges;
+    const RegionOcclusions& edges = problem_.edges;
     for (const NodeId back : edges.backs) ++into_offsets_[back + 1];
     std::partial_sum(into_offsets_.begin(), into_offsets_.end(), into_offsets_.begin());
     into_.resize(edges.backs.size());
@@ -117,7 +117,7 @@ class RegionPresorter {
   }
 
   [[nodiscard]] std::span<const std::uint16_t> views_of(std::uint64_t edge) const {
-    const RegionEdges& edges = problem_.edges;
+    const RegionOcclusions& edges = problem_.edges;
     return {edges.views.data() + edges.view_offsets[edge],
             static_cast<std::size_t>(edges.view_offsets[edge + 1] - edges.view_offsets[edge])};
   }
@@ -155,7 +155,7 @@ class RegionPresorter {
   }
 
   void append_row(const Copy& front, EdgeRows& rows) const {
-    const RegionEdges& edges = problem_.edges;
+    const RegionOcclusions& edges = problem_.edges;
     std::vector<std::pair<std::uint32_t, float>> row;
     for (std::uint64_t e = edges.offsets[front.node]; e < edges.offsets[front.node + 1]; ++e) {
       for (const std::uint32_t back : copies_of_[edges.backs[e]]) {
@@ -260,7 +260,7 @@ class RegionPresorter {
         if (!tie.views.empty()) ties.push_back(std::move(tie));
       }
     };
-    const RegionEdges& edges = problem_.edges;
+    const RegionOcclusions& edges = problem_.edges;
     for (std::uint64_t e = edges.offsets[self.node]; e < edges.offsets[self.node + 1]; ++e) {
       add(e, edges.backs[e], true);
     }
@@ -439,13 +439,13 @@ bool hides_more_of(const ViewpointEdges& view, NodeId behind, NodeId in_front, s
 
 }  // namespace
 
-RegionEdges collect_edges(std::span<const ViewpointEdges* const> views, std::size_t triangle_count,
-                          float least_area) {
+RegionOcclusions collect_edges(std::span<const ViewpointEdges* const> views, std::size_t triangle_count,
+                               float least_area) {
   constexpr std::size_t kRowsPerBlock = 512;
   const std::size_t node_count = 2 * triangle_count;
-  std::vector<RegionEdges> parts((node_count + kRowsPerBlock - 1) / kRowsPerBlock);
+  std::vector<RegionOcclusions> parts((node_count + kRowsPerBlock - 1) / kRowsPerBlock);
   parallel_loop(std::size_t{0}, parts.size(), [&](std::size_t block) {
-    RegionEdges& part = parts[block];
+    RegionOcclusions& part = parts[block];
     std::vector<std::pair<NodeId, std::uint16_t>> row;
     const std::size_t end = std::min((block + 1) * kRowsPerBlock, node_count);
     for (std::size_t node = block * kRowsPerBlock; node < end; ++node) {
@@ -471,9 +471,9 @@ RegionEdges collect_edges(std::span<const ViewpointEdges* const> views, std::siz
       part.offsets.push_back(part.backs.size());
     }
   });
-  RegionEdges edges;
+  RegionOcclusions edges;
   edges.offsets.push_back(0);
-  for (const RegionEdges& part : parts) {
+  for (const RegionOcclusions& part : parts) {
     const std::uint64_t first_edge = edges.backs.size();
     const std::uint64_t first_view = edges.views.size();
     for (const std::uint64_t offset : part.offsets) edges.offsets.push_back(first_edge + offset);

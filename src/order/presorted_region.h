@@ -16,7 +16,7 @@
 namespace pellucid {
 
 // Who hides whom from which of the region's viewpoints. Rows by front node, sorted by back node.
-struct RegionEdges {
+struct RegionOcclusions {
   std::vector<std::uint64_t> offsets;  // nodes + 1, into backs
   std::vector<NodeId> backs;
   std::vector<std::uint64_t> view_offsets;  // edges + 1, into views
@@ -24,13 +24,13 @@ struct RegionEdges {
 };
 // Overlaps smaller than `least_area` (square radii) do not count. Of faces that cross, the one that hides
 // more counts as the one in front.
-RegionEdges collect_edges(std::span<const ViewpointEdges* const> views, std::size_t triangle_count,
-                          float least_area);
+RegionOcclusions collect_edges(std::span<const ViewpointEdges* const> views, std::size_t triangle_count,
+                               float least_area);
 
 struct RegionProblem {
   const Mesh* mesh = nullptr;
   std::vector<Eye> eyes;  // one per viewpoint
-  RegionEdges edges;
+  RegionOcclusions edges;
   std::vector<std::uint8_t> drawn;   // per node: can the region see it?
   std::vector<std::uint32_t> ranks;  // per node: an order to begin with
   std::uint32_t cache_size = 20;

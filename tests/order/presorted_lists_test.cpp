@@ -167,7 +167,7 @@ TEST(PresortedLists, SameListsForAnyNumberOfThreads) {
   }
 }
 
-TEST(RegionEdges, GatherTheViewpointsOfEveryPair) {
+TEST(RegionOcclusions, GatherTheViewpointsOfEveryPair) {
   // Two viewpoints, two triangles; the first hides the second from both, once over next to nothing.
   ViewpointEdges near;
   near.offsets = {0, 1, 1};
@@ -176,7 +176,7 @@ TEST(RegionEdges, GatherTheViewpointsOfEveryPair) {
   near.front_flipped = {0, 1};
   ViewpointEdges far = near;
   const std::vector<const ViewpointEdges*> views{&near, &far};
-  const RegionEdges both = collect_edges(views, 2, 0.1F);
+  const RegionOcclusions both = collect_edges(views, 2, 0.1F);
   EXPECT_EQ(both.backs, (std::vector<NodeId>{node_of(1, true)}));
   EXPECT_EQ(both.views, (std::vector<std::uint16_t>{0, 1}));
   EXPECT_EQ(both.offsets, (std::vector<std::uint64_t>{0, 1, 1, 1, 1}));
@@ -187,7 +187,7 @@ TEST(RegionEdges, GatherTheViewpointsOfEveryPair) {
   EXPECT_EQ(collect_edges(views, 2, 0.1F).backs.size(), 2U);
 }
 
-TEST(RegionEdges, OfFacesThatCrossTheOneThatHidesMoreIsInFront) {
+TEST(RegionOcclusions, OfFacesThatCrossTheOneThatHidesMoreIsInFront) {
   ViewpointEdges view;
   view.offsets = {0, 1, 2};
   view.backs = {node_of(1, false), node_of(0, false)};

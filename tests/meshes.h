@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "pellucid/mesh.h"
 #include "pellucid/view.h"
 
 namespace pellucid::testing {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 inline void append(Mesh& mesh, const Mesh& part) {
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());

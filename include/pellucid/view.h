@@ -29,6 +29,7 @@ namespace pellucid {
 enum class PartitionKind { viewpoints, sampled_triangles, view_triangles, view_regions };
 constexpr std::uint32_t kSolidSampleLevel = 2;  // m of T[n] and R[n]
 
+constexpr std::uint32_t kMaxPartitionLevel = 5;  // n
 struct PartitionSpec {
   PartitionKind kind = PartitionKind::sampled_triangles;
   std::uint32_t level = 2;         // n, 0..5

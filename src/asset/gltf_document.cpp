@@ -25,7 +25,7 @@ std::uint32_t read_u32(const Bytes& bytes, std::size_t at) {
   return value;
 }
 
-std::string_view text_of(const Bytes& bytes, std::size_t begin, std::size_t count) {
+std::string_view text_within(const Bytes& bytes, std::size_t begin, std::size_t count) {
   return {reinterpret_cast<const char*>(bytes.data()) + begin, count};
 }
 
@@ -53,7 +53,7 @@ std::shared_ptr<const Bytes> parse_glb(const Bytes& file, GltfDocument& document
     const auto begin = file.begin() + static_cast<std::ptrdiff_t>(at);
     if (!json_seen) {
       if (type != kJsonChunk) fail(path, "the first chunk is not JSON");
-      document.json = parse_json(text_of(file, at, count), path);
+      document.json = parse_json(text_within(file, at, count), path);
       json_seen = true;
     } else if (type == kBinaryChunk && binary == nullptr) {
       binary = std::make_shared<const Bytes>(begin, begin + static_cast<std::ptrdiff_t>(count));
@@ -159,7 +159,7 @@ GltfDocument load_document(const std::string& path) {
   if (file.size() >= 4 && read_u32(file, 0) == kGlbMagic) {
     binary = parse_glb(file, document);
   } else {
-    document.json = parse_json(text_of(file, 0, file.size()), path);
+    document.json = parse_json(text_within(file, 0, file.size()), path);
   }
   check_version(document);
   load_buffers(document, binary);

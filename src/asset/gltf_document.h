@@ -19,6 +19,10 @@ constexpr const char* kOrderExtension = "PELLUCID_mesh_primitive_view_orders";
 constexpr const char* kMeshoptExtension = "EXT_meshopt_compression";
 constexpr const char* kKhrMeshoptExtension = "KHR_meshopt_compression";
 
+// Targets of buffer views.
+constexpr std::uint32_t kVertexTarget = 34962;  // ARRAY_BUFFER
+constexpr std::uint32_t kIndexTarget = 34963;   // ELEMENT_ARRAY_BUFFER
+
 // Where a buffer's bytes come from, and go to when the file is written again.
 enum class BufferStorage {
   binary_chunk,  // the BIN chunk of a .glb: buffers[0] without a uri

@@ -39,12 +39,12 @@ Bytes to_bytes(const std::string& text) {
 }
 
 // Names from other formats need not be UTF-8; JSON must be.
-std::string text_of(const Json& json, int indent) {
+std::string text_of_json(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 Bytes glb_bytes(const GltfDocument& document, const std::string& path) {
-  const Bytes json = to_bytes(text_of(document.json, -1));
+  const Bytes json = to_bytes(text_of_json(document.json, -1));
   const Bytes* binary = nullptr;
   if (!document.buffers.empty() && document.buffers[0].storage == BufferStorage::binary_chunk) {
     binary = document.buffers[0].bytes.get();
@@ -143,7 +143,7 @@ DocumentFiles lay_out(GltfDocument& document, const std::string& path,
   if (fs::path(path).extension() == ".glb") {
     files.main = glb_bytes(document, path);
   } else {
-    files.main = to_bytes(text_of(document.json, 2) + "\n");
+    files.main = to_bytes(text_of_json(document.json, 2) + "\n");
   }
   return files;
 }

@@ -11,8 +11,6 @@ namespace pellucid {
 namespace {
 
 constexpr std::uint32_t kFloat = 5126;
-constexpr std::uint32_t kVertexTarget = 34962;  // ARRAY_BUFFER
-constexpr std::uint32_t kIndexTarget = 34963;   // ELEMENT_ARRAY_BUFFER
 constexpr double kUnitTolerance = 1e-4;
 
 bool is_finite(const Vec3f& v) {

@@ -9,8 +9,6 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kMaxLevel = 5;  // of PartitionSpec
-
 class OrderCheck {
  public:
   OrderCheck(const Model& model, const Primitive& primitive, const OrderSet& set)
@@ -35,7 +33,7 @@ class OrderCheck {
   }
 
   void check_partition() const {
-    if (set_.partition.level > kMaxLevel) fail("the partition's level is above 5");
+    if (set_.partition.level > kMaxPartitionLevel) fail("the partition's level is above 5");
     const Vec3d& c = set_.sphere.center;
     if (!std::isfinite(c.x + c.y + c.z + set_.sphere.radius) || set_.sphere.radius < 0) {
       fail("the bounding sphere is not finite");

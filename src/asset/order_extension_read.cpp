@@ -11,7 +11,6 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint64_t kMaxLevel = 5;  // of PartitionSpec
 constexpr std::uint64_t kMaxSampleLevel = 4;
 
 constexpr std::uint64_t triangle_count(std::uint64_t level) {
@@ -89,7 +88,7 @@ class OrderExtensionReader {
     const bool triangles = choose(partition, "cells", "triangles", "vertices");
     const std::uint64_t level = partition.index("level");
     const std::uint64_t sample_level = triangles ? partition.index_or("sampleLevel", 0) : 0;
-    if (level > kMaxLevel) partition.fail("level " + std::to_string(level) + " is above 5");
+    if (level > kMaxPartitionLevel) partition.fail("level " + std::to_string(level) + " is above 5");
     if (sample_level > kMaxSampleLevel)
       partition.fail("sampleLevel " + std::to_string(sample_level) + " is above 4");
     set.partition = {triangles ? coverage_of(partition) : PartitionKind::viewpoints,

@@ -15,8 +15,6 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kVertexTarget = 34962;  // ARRAY_BUFFER
-
 using Elements = AccessorReader::Elements;
 
 // What an attribute's values mean, and so what becomes of them between vertices.

@@ -15,7 +15,7 @@ namespace pellucid {
 namespace {
 
 // The side of a triangle from its k-th corner to the next; `corner` is 3 * triangle + k.
-struct Side {
+struct TriangleSide {
   std::uint32_t low = 0, high = 0;  // welded vertices
   std::uint32_t render_low = 0, render_high = 0;
   std::uint32_t corner = 0;
@@ -26,10 +26,10 @@ std::uint32_t next_corner(std::uint32_t corner) {
   return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-bool same_edge(const Side& a, const Side& b) {
+bool same_edge(const TriangleSide& a, const TriangleSide& b) {
   return a.low == b.low && a.high == b.high;
 }
-bool same_render_edge(const Side& a, const Side& b) {
+bool same_render_edge(const TriangleSide& a, const TriangleSide& b) {
   return same_edge(a, b) && a.render_low == b.render_low && a.render_high == b.render_high;
 }
 
@@ -62,9 +62,10 @@ class CornerSets {
   std::vector<std::uint32_t> parent_;
 };
 
-std::vector<Side> sorted_sides(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld,
-                               const std::vector<std::uint32_t>& kept) {
-  std::vector<Side> sides;
+std::vector<TriangleSide> sorted_sides(std::span<const Triangle> triangles,
+                                       std::span<const std::uint32_t> weld,
+                                       const std::vector<std::uint32_t>& kept) {
+  std::vector<TriangleSide> sides;
   sides.reserve(3 * kept.size());
   for (std::uint32_t i = 0; i < kept.size(); ++i) {
     const Triangle& t = triangles[kept[i]];
@@ -76,8 +77,8 @@ std::vector<Side> sorted_sides(std::span<const Triangle> triangles, std::span<co
       sides.push_back({weld[low], weld[high], low, high, 3 * i + k, forward});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    const auto key = [](const Side& s) {
+  std::sort(sides.begin(), sides.end(), [](const TriangleSide& a, const TriangleSide& b) {
+    const auto key = [](const TriangleSide& s) {
       return std::array{s.low, s.high, s.render_low, s.render_high, s.corner};
     };
     return key(a) < key(b);
@@ -87,9 +88,9 @@ std::vector<Side> sorted_sides(std::span<const Triangle> triangles, std::span<co
 
 // First those that share render vertices: the front and the back of a leaf that is modelled twice lie at the
 // same place, but have vertices of their own.
-void link_neighbours(std::span<const Side> edge, std::vector<Link>& links) {
-  std::vector<Side> unlinked;
-  const auto link_pair = [&links](const Side& a, const Side& b) {
+void link_neighbours(std::span<const TriangleSide> edge, std::vector<Link>& links) {
+  std::vector<TriangleSide> unlinked;
+  const auto link_pair = [&links](const TriangleSide& a, const TriangleSide& b) {
     if (a.forward == b.forward) return false;
     links.push_back({a.corner, b.corner});
     return true;
@@ -117,9 +118,9 @@ class Splitter {
   }
 
   ManifoldPieces run() {
-    const std::vector<Side> sides = sorted_sides(triangles_, weld_, pieces_.source);
+    const std::vector<TriangleSide> sides = sorted_sides(triangles_, weld_, pieces_.source);
     CornerSets sets(sides.size());
-    for_each_edge(sides, [&](std::span<const Side> edge) {
+    for_each_edge(sides, [&](std::span<const TriangleSide> edge) {
       std::vector<Link> links;
       link_neighbours(edge, links);
       for (const Link& link : links) sets.unite(link);
@@ -127,7 +128,7 @@ class Splitter {
 
     // Cuts make vertices more, never fewer, so that edges that were good remain so.
     CornerSets cut_sets(sides.size());
-    for_each_edge(sides, [&](std::span<const Side> edge) {
+    for_each_edge(sides, [&](std::span<const TriangleSide> edge) {
       if (edge.size() > 2 && has_crowd(edge, sets)) return;
       std::vector<Link> links;
       link_neighbours(edge, links);
@@ -139,7 +140,7 @@ class Splitter {
 
  private:
   template <class Visit>
-  static void for_each_edge(std::span<const Side> sides, const Visit& visit) {
+  static void for_each_edge(std::span<const TriangleSide> sides, const Visit& visit) {
     for (std::size_t begin = 0; begin < sides.size();) {
       std::size_t end = begin + 1;
       while (end < sides.size() && same_edge(sides[begin], sides[end])) ++end;
@@ -149,9 +150,9 @@ class Splitter {
   }
 
   // Do more than two of these sides have the same vertices?
-  static bool has_crowd(std::span<const Side> edge, CornerSets& sets) {
+  static bool has_crowd(std::span<const TriangleSide> edge, CornerSets& sets) {
     std::vector<std::array<std::uint32_t, 2>> ends;
-    for (const Side& side : edge) {
+    for (const TriangleSide& side : edge) {
       std::array end{sets.find(side.corner), sets.find(next_corner(side.corner))};
       if (!side.forward) std::swap(end[0], end[1]);
       ends.push_back(end);

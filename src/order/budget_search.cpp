@@ -12,11 +12,11 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kStarts = 3;       // coarse restarts per number of clusters
-constexpr std::uint32_t kTrialRounds = 2;  // of each start; then the best one goes on
-constexpr std::uint32_t kUsualCount = 4;   // orders that most meshes need at the default error
-constexpr std::uint32_t kFineRounds = 2;   // rounds on the full mesh
-constexpr float kLight = 1e-6F;            // mean square radii: left out of all fine rounds but the last
+constexpr std::uint32_t kCoarseStarts = 3;  // coarse restarts per number of clusters
+constexpr std::uint32_t kTrialRounds = 2;   // of each start; then the best one goes on
+constexpr std::uint32_t kUsualCount = 4;    // orders that most meshes need at the default error
+constexpr std::uint32_t kFineRounds = 2;    // rounds on the full mesh
+constexpr float kLight = 1e-6F;             // mean square radii: left out of all fine rounds but the last
 // The full mesh's error over the coarse mesh's, before any is known: finer triangles leave less to get wrong.
 constexpr double kFinePerCoarse = 0.4;
 // What a cell may violate more than by its best order to have that of its neighbours: a share of what it
@@ -117,7 +117,7 @@ class BudgetSearch {
   [[nodiscard]] Clustering find_coarse(std::uint32_t count) const {
     begin_stage(options_.progress, std::string("trying ").append(std::to_string(count)).append(" orders"), 0);
     // A single order has no start to choose.
-    std::vector<Clustering> trials(count == 1 ? 1 : kStarts);
+    std::vector<Clustering> trials(count == 1 ? 1 : kCoarseStarts);
     parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(trials.size()), [&](std::uint32_t trial) {
       stop_if_requested(options_.progress);
       const Clustering start = spread_start(coarse_.graph, *coarse_.mesh, coarse_.sphere, coarse_.partition,

@@ -15,8 +15,6 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kNone = MeshLinks::kNone;
-
 // Triangles of the patches at first.
 constexpr double kFirstSize = 6;
 // Triangles of the largest patches, in squares of the cache: rows that are wider do not fit into it.
@@ -124,7 +122,7 @@ class CompactPatches {
   // Without the patches that have no triangles left.
   void number_anew(std::vector<std::uint8_t>& changed) {
     find_runs(changed);
-    std::vector<std::uint32_t> numbers(runs_.size(), kNone);
+    std::vector<std::uint32_t> numbers(runs_.size(), MeshLinks::kNone);
     std::vector<double> keys;
     for (std::size_t patch = 0; patch < runs_.size(); ++patch) {
       if (runs_[patch].empty()) continue;
@@ -250,7 +248,7 @@ class CompactPatches {
   // The patches beside a triangle, and what it costs to move there but for the cache: kOverdrawUnit, summed
   // over views.
   struct Offers {
-    std::array<std::uint32_t, 3> to{kNone, kNone, kNone};
+    std::array<std::uint32_t, 3> to{MeshLinks::kNone, MeshLinks::kNone, MeshLinks::kNone};
     std::array<double, 3> excess{};
   };
 
@@ -263,7 +261,7 @@ class CompactPatches {
     // nearer is drawn first as often as not.
     [[nodiscard]] std::int64_t shaded_twice(std::uint32_t place) const {
       std::int64_t shaded = 0;
-      std::uint32_t first = kNone;
+      std::uint32_t first = MeshLinks::kNone;
       for (std::size_t i = 0; i < places.size(); ++i) {
         const std::uint32_t here = i == own ? std::min(place, places[i]) : places[i];
         shaded += here < first ? 2 : here == first ? 1 : 0;
@@ -276,7 +274,7 @@ class CompactPatches {
   void look_around(std::span<const Layer> list, std::uint32_t triangle, Surroundings& around) const {
     around.places.clear();
     for (const Layer layer : list) {
-      if (!is_tied(layer)) around.places.push_back(kNone);
+      if (!is_tied(layer)) around.places.push_back(MeshLinks::kNone);
       if (patch_of_layer(layer) == triangle) {
         around.own = around.places.size() - 1;
       } else {
@@ -289,7 +287,7 @@ class CompactPatches {
     Offers offers;
     std::size_t count = 0;
     for (const std::uint32_t beside : links_.across(triangle)) {
-      if (beside == kNone || patch_of_[beside] == patch_of_[triangle]) continue;
+      if (beside == MeshLinks::kNone || patch_of_[beside] == patch_of_[triangle]) continue;
       const auto known = offers.to.begin() + static_cast<std::ptrdiff_t>(count);
       if (std::find(offers.to.begin(), known, patch_of_[beside]) == known)
         offers.to[count++] = patch_of_[beside];
@@ -338,9 +336,9 @@ class CompactPatches {
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const std::uint32_t triangle = batch[i];
-      std::uint32_t best = kNone;
+      std::uint32_t best = MeshLinks::kNone;
       double least = 0;
-      for (std::size_t k = 0; k < 3 && offers[i].to[k] != kNone; ++k) {
+      for (std::size_t k = 0; k < 3 && offers[i].to[k] != MeshLinks::kNone; ++k) {
         const std::uint32_t to = offers[i].to[k];
         if (sizes[to] >= most_size_) continue;
         const double cost = offers[i].excess[k] - price_ * vertices_saved(links_, patch_of_, triangle, to);
@@ -348,7 +346,7 @@ class CompactPatches {
         least = cost;
         best = to;
       }
-      if (best == kNone) continue;
+      if (best == MeshLinks::kNone) continue;
       changed[patch_of_[triangle]] = changed[best] = 1;
       --sizes[patch_of_[triangle]];
       ++sizes[best];

@@ -6,7 +6,6 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kNone = MeshLinks::kNone;
 constexpr int kGrowths = 6;
 constexpr std::uint64_t kTrials = 100;  // of moving a triangle, each
 // Sizes stay within these multiples of what was asked for.
@@ -26,10 +25,10 @@ class SetGrower {
   }
 
   [[nodiscard]] std::vector<std::uint32_t> numbered() const {
-    std::vector<std::uint32_t> numbers(seeds_.size(), kNone), result;
+    std::vector<std::uint32_t> numbers(seeds_.size(), MeshLinks::kNone), result;
     std::uint32_t count = 0;
     for (const std::uint32_t set : set_of_) {
-      if (numbers[set] == kNone) numbers[set] = count++;
+      if (numbers[set] == MeshLinks::kNone) numbers[set] = count++;
       result.push_back(numbers[set]);
     }
     return result;
@@ -38,10 +37,10 @@ class SetGrower {
  private:
   // All seeds at once; what none of them reaches gets seeds of its own.
   void grow() {
-    set_of_.assign(links_.triangle_count(), kNone);
+    set_of_.assign(links_.triangle_count(), MeshLinks::kNone);
     std::vector<std::uint32_t> queue;
     const auto put = [&](std::uint32_t triangle, std::uint32_t set) {
-      if (set_of_[triangle] != kNone) return;
+      if (set_of_[triangle] != MeshLinks::kNone) return;
       set_of_[triangle] = set;
       queue.push_back(triangle);
     };
@@ -50,10 +49,10 @@ class SetGrower {
     for (std::uint32_t left = 0; left < links_.triangle_count(); ++left) {
       for (; head < queue.size(); ++head) {
         for (const std::uint32_t next : links_.across(queue[head])) {
-          if (next != kNone) put(next, set_of_[queue[head]]);
+          if (next != MeshLinks::kNone) put(next, set_of_[queue[head]]);
         }
       }
-      if (set_of_[left] != kNone) continue;
+      if (set_of_[left] != MeshLinks::kNone) continue;
       put(left, static_cast<std::uint32_t>(seeds_.size()));
       seeds_.push_back(left);
     }
@@ -65,14 +64,14 @@ class SetGrower {
     std::vector<std::uint32_t> queue;
     for (std::uint32_t t = 0; t < set_of_.size(); ++t) {
       for (const std::uint32_t next : links_.across(t)) {
-        if (next == kNone || set_of_[next] == set_of_[t] || met[t] != 0) continue;
+        if (next == MeshLinks::kNone || set_of_[next] == set_of_[t] || met[t] != 0) continue;
         met[t] = 1;
         queue.push_back(t);
       }
     }
     for (std::size_t head = 0; head < queue.size(); ++head) {
       for (const std::uint32_t next : links_.across(queue[head])) {
-        if (next == kNone || met[next] != 0) continue;
+        if (next == MeshLinks::kNone || met[next] != 0) continue;
         met[next] = 1;
         queue.push_back(next);
       }
@@ -86,7 +85,7 @@ class SetGrower {
     for (std::uint64_t i = 0; i < kTrials * set_of_.size(); ++i) {
       const auto triangle = static_cast<std::uint32_t>(random.below(set_of_.size()));
       const std::uint32_t beside = links_.across(triangle)[random.below(3)];
-      if (beside == kNone || set_of_[beside] == set_of_[triangle]) continue;
+      if (beside == MeshLinks::kNone || set_of_[beside] == set_of_[triangle]) continue;
       std::uint32_t& from = sizes[set_of_[triangle]];
       std::uint32_t& to = sizes[set_of_[beside]];
       if (from <= kLeast * size_ || to >= kMost * size_) continue;

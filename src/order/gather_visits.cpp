@@ -15,7 +15,7 @@ constexpr double kTrustedShare = 0.9;
 // What a use saves by company, misses: a visit of n uses is worth kCompany * n^1.5.
 constexpr double kCompany = 0.03;
 // Vertices with more uses are left out: they are few, and fans would make the search quadratic.
-constexpr std::size_t kMostUses = 64;
+constexpr std::size_t kMostUsesCounted = 64;
 // Nodes that may move together.
 constexpr std::size_t kMostCompanions = 12;
 // A move must save this much, misses; moving others out of the way must promise more to be tried.
@@ -103,7 +103,9 @@ class VisitSearch {
   static constexpr std::uint64_t kGap = std::uint64_t{1} << 32U;  // between the keys of neighbours at first
 
   [[nodiscard]] const Triangle& corners(NodeId node) const { return mesh_.triangles[triangle_of(node)]; }
-  [[nodiscard]] bool counts(std::uint32_t vertex) const { return around_.of(vertex).size() <= kMostUses; }
+  [[nodiscard]] bool counts(std::uint32_t vertex) const {
+    return around_.of(vertex).size() <= kMostUsesCounted;
+  }
 
   // ------------------------------------------------------------------------------ the sequence as a list
 
@@ -150,7 +152,7 @@ class VisitSearch {
 
   // Clocks of the uses of a node's vertices by other nodes, ascending; none for a vertex that does not count.
   struct OtherUses {
-    std::array<std::array<std::uint32_t, kMostUses>, 3> clocks;
+    std::array<std::array<std::uint32_t, kMostUsesCounted>, 3> clocks;
     std::array<std::size_t, 3> counts;
   };
 
@@ -334,7 +336,7 @@ class VisitSearch {
   std::vector<std::uint32_t> stamps_;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint8_t> unsettled_;  // nodes to look at in the next sweep
-  std::array<double, kMostUses + 1> company_{};
+  std::array<double, kMostUsesCounted + 1> company_{};
   std::vector<std::uint64_t> tried_;
   std::vector<NodeId> companions_;
   std::vector<std::uint32_t> before_;

@@ -18,7 +18,7 @@ constexpr double kFewUsesLeft = 1.34;  // over the root of a vertex's undrawn no
 constexpr double kAge = 0.5;           // of its oldest cached vertex, 1: about to leave
 constexpr double kHeight = 0.86;       // longest chain of followers, 1: the longest of all
 // Vertices that more nodes use do not propose candidates: fans would make the search quadratic.
-constexpr std::size_t kMostUses = 64;
+constexpr std::size_t kMostUsesToPropose = 64;
 
 class ListScheduler {
  public:
@@ -102,7 +102,7 @@ class ListScheduler {
     double best_score = 0;
     const std::size_t newest = std::min<std::size_t>(entered_.size(), cache_size_);
     for (const std::uint32_t v : std::span(entered_).last(newest)) {
-      if (ready_around_[v] == 0 || around_.of(v).size() > kMostUses) continue;
+      if (ready_around_[v] == 0 || around_.of(v).size() > kMostUsesToPropose) continue;
       for (const NodeId node : around_.of(v)) {
         if (states_[node] != State::ready) continue;
         const double s = score(node);

@@ -12,7 +12,7 @@ namespace {
 
 // Of the misses that are to go, saved by one batch of joins: what remains is chosen from orders that know of
 // these joins. Smaller batches gain nothing.
-constexpr double kBatch = 0.3;
+constexpr double kMergeBatch = 0.3;
 
 // Misses of runs of patches in an empty cache. Vertices are numbered anew for every run, so that a count
 // costs what it counts.
@@ -187,7 +187,8 @@ std::vector<std::uint32_t> merge_patches(const OverdrawSubject& subject, const M
     for (const std::vector<JoinCost>& of_cluster : costs) {
       for (std::size_t patch = 0; patch < excess.size(); ++patch) excess[patch] += of_cluster[patch].excess;
     }
-    const double to_save = kBatch * (acmr - options.acmr) * static_cast<double>(subject.triangles.size());
+    const double to_save =
+        kMergeBatch * (acmr - options.acmr) * static_cast<double>(subject.triangles.size());
     const std::vector<std::uint8_t> join =
         choose_joins(ordered.patches, excess, misses_saved(subject, ordered.patches, options.cache_size),
                      std::max(to_save, 1.0));

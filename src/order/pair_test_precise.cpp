@@ -45,7 +45,7 @@ pair_test::Corners<float> corners_from(const ScreenTriangle& t, float origin_x, 
 
 // A convex polygon of picture points; two triangles overlap in at most six corners, the height split adds
 // one.
-struct Polygon {
+struct OverlapPolygon {
   struct Point {
     double x, y;
   };
@@ -55,16 +55,16 @@ struct Polygon {
 };
 
 using Plane3 = std::array<double, 3>;  // value(x, y) = [0] + [1] x + [2] y
-double value_at(const Plane3& plane, const Polygon::Point& p) {
+double value_at(const Plane3& plane, const OverlapPolygon::Point& p) {
   return plane[0] + plane[1] * p.x + plane[2] * p.y;
 }
 
 // Keep the part where the linear function is positive (Sutherland-Hodgman, one plane).
-Polygon keep_positive(const Polygon& polygon, const Plane3& plane) {
-  Polygon kept;
+OverlapPolygon keep_positive(const OverlapPolygon& polygon, const Plane3& plane) {
+  OverlapPolygon kept;
   for (int i = 0; i < polygon.count; ++i) {
-    const Polygon::Point& p = polygon.points[static_cast<std::size_t>(i)];
-    const Polygon::Point& q = polygon.points[static_cast<std::size_t>((i + 1) % polygon.count)];
+    const OverlapPolygon::Point& p = polygon.points[static_cast<std::size_t>(i)];
+    const OverlapPolygon::Point& q = polygon.points[static_cast<std::size_t>((i + 1) % polygon.count)];
     const double vp = value_at(plane, p);
     const double vq = value_at(plane, q);
     if (vp >= 0) kept.push(p);
@@ -77,11 +77,11 @@ Polygon keep_positive(const Polygon& polygon, const Plane3& plane) {
   return kept;
 }
 
-double area_of(const Polygon& polygon) {
+double area_of(const OverlapPolygon& polygon) {
   double doubled = 0;
   for (int i = 0; i < polygon.count; ++i) {
-    const Polygon::Point& p = polygon.points[static_cast<std::size_t>(i)];
-    const Polygon::Point& q = polygon.points[static_cast<std::size_t>((i + 1) % polygon.count)];
+    const OverlapPolygon::Point& p = polygon.points[static_cast<std::size_t>(i)];
+    const OverlapPolygon::Point& q = polygon.points[static_cast<std::size_t>((i + 1) % polygon.count)];
     doubled += p.x * q.y - p.y * q.x;
   }
   return 0.5 * doubled;
@@ -136,7 +136,7 @@ bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triang
   const Corners3 b = corners_of_node(screen, triangles, pair.b, origin);
 
   // Clip A's picture by B's edges.
-  Polygon overlap;
+  OverlapPolygon overlap;
   for (const Vec3d& corner : a) overlap.push({corner.x, corner.y});
   for (std::size_t i = 0; i < 3 && overlap.count >= 3; ++i) {
     overlap = keep_positive(overlap, edge_plane(b[i], b[(i + 1) % 3]));

@@ -26,7 +26,7 @@ namespace pellucid {
 namespace {
 
 // Overlaps below this (square radii, about a fifteenth of a pixel of a 512 x 512 picture) are no occlusions.
-constexpr float kLeastArea = 1e-6F;
+constexpr float kLeastOcclusion = 1e-6F;
 // Viewpoints of a region are numbered in 16 bits.
 constexpr std::size_t kMostViews = 65535;
 
@@ -133,7 +133,7 @@ class ListBuilder {
       edges += views[i].backs.size();
     });
     if (edges > options_.max_edges) return false;
-    problem.edges = collect_edges(pointers, mesh_.triangles.size(), kLeastArea);
+    problem.edges = collect_edges(pointers, mesh_.triangles.size(), kLeastOcclusion);
     return true;
   }
 

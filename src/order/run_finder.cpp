@@ -7,8 +7,7 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kNone = MeshLinks::kNone;
-constexpr std::size_t kStarts = 16;
+constexpr std::size_t kRunStarts = 16;
 // What speaks for a triangle, in misses: a vertex that it is the last to use; one that is about to leave.
 constexpr double kLastUse = 0.25, kUrgency = 0.5;
 
@@ -32,8 +31,8 @@ std::vector<std::uint32_t> RunFinder::find(std::span<const std::uint32_t> triang
     for (const std::uint32_t vertex : links_.corners(triangle)) vertices += left_[vertex]++ == 0 ? 1U : 0U;
   }
   std::vector<std::uint32_t> best;
-  std::uint32_t least = kNone;
-  const std::size_t step = (triangles.size() + kStarts - 1) / kStarts;
+  std::uint32_t least = MeshLinks::kNone;
+  const std::size_t step = (triangles.size() + kRunStarts - 1) / kRunStarts;
   for (const bool late : {false, true}) {
     for (std::size_t i = 0; i < triangles.size() && least > vertices; i += step) {
       const std::uint32_t misses = walk(triangles, triangles[i], late, least);
@@ -63,7 +62,7 @@ std::uint32_t RunFinder::walk(std::span<const std::uint32_t> triangles, std::uin
   std::size_t first_left = 0;
   while (run_.size() < triangles.size() && entered_.size() < least) {
     std::uint32_t next = best_next(late);
-    for (; next == kNone; ++first_left) {
+    for (; next == MeshLinks::kNone; ++first_left) {
       if (to_draw_[triangles[first_left]] == walk_) next = triangles[first_left];
     }
     draw(next);
@@ -85,7 +84,7 @@ void RunFinder::draw(std::uint32_t triangle) {
 // Of what has a vertex in the cache; `late`: vertices hardly count before they are about to leave.
 std::uint32_t RunFinder::best_next(bool late) {
   ++step_;
-  std::uint32_t best = kNone;
+  std::uint32_t best = MeshLinks::kNone;
   double least = std::numeric_limits<double>::max();
   const std::size_t cached = std::min<std::size_t>(entered_.size(), cache_size_);
   for (std::size_t i = entered_.size() - cached; i < entered_.size(); ++i) {

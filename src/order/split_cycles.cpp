@@ -20,10 +20,10 @@ constexpr std::uint32_t kRounds = 8;
 // Larger components are knots of many faces that a few cuts do not undo.
 constexpr std::uint32_t kLargestComponent = 24;
 // Cuts that are tried for one component.
-constexpr std::size_t kMostTrials = 48;
+constexpr std::size_t kMostCuts = 48;
 // Overlaps that hide less than this (square radii) make no edge here: a hundredth of a pixel of a 1024 x 1024
 // picture, as in the occlusion graph.
-constexpr float kLeastArea = 3e-7F;
+constexpr float kLeastEdgeArea = 3e-7F;
 
 // The occlusions between triangles from one viewpoint, in rows by the front one.
 struct TriangleGraph {
@@ -35,7 +35,7 @@ TriangleGraph visible_edges(const ViewpointEdges& edges) {
   graph.offsets.push_back(0);
   for (std::size_t t = 0; t + 1 < edges.offsets.size(); ++t) {
     for (std::uint32_t i = edges.offsets[t]; i < edges.offsets[t + 1]; ++i) {
-      if (edges.areas[i] >= kLeastArea) graph.backs.push_back(triangle_of(edges.backs[i]));
+      if (edges.areas[i] >= kLeastEdgeArea) graph.backs.push_back(triangle_of(edges.backs[i]));
     }
     graph.offsets.push_back(static_cast<std::uint32_t>(graph.backs.size()));
   }
@@ -148,7 +148,7 @@ class CycleSplitter {
     std::pair<std::size_t, std::size_t> least{cycle.size(), 0};
     std::size_t trials = 0;
     for (std::uint32_t a = 0; a < cycle.size(); ++a) {
-      for (std::uint32_t b = 0; b < cycle.size() && trials < kMostTrials; ++b) {
+      for (std::uint32_t b = 0; b < cycle.size() && trials < kMostCuts; ++b) {
         if (a == b) continue;
         const TriangleCut cut{a, b};
         const MeshSplit split = cut_triangles(part, std::span(&cut, 1));

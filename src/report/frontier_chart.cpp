@@ -10,19 +10,19 @@
 namespace pellucid {
 namespace {
 
-constexpr double kWidth = 680;
+constexpr double kFrontierWidth = 680;
 constexpr double kPanelHeight = 390;
-constexpr double kLeft = 76;
-constexpr double kRight = 604;
-constexpr double kTop = 86;
-constexpr double kBottom = 306;
+constexpr double kFrontierLeft = 76;
+constexpr double kFrontierRight = 604;
+constexpr double kFrontierTop = 86;
+constexpr double kFrontierBottom = 306;
 constexpr double kLeastDecades = 2;
 constexpr double kPsnrStep = 10;
 // An error that the log axis cannot show is drawn at its lower end.
 constexpr double kLeastIpr = 1e-7;
 
 // Blue and orange stay apart for all kinds of colour vision; both have contrast on light and on dark ground.
-constexpr const char* kStyle = R"(<style>
+constexpr const char* kFrontierStyle = R"(<style>
 text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
 .title{font-size:16px;font-weight:600}
 .small{font-size:12px}
@@ -74,14 +74,15 @@ class Panel {
 
   [[nodiscard]] double x(std::uint32_t limit) const {
     const auto count = static_cast<double>(points_.size());
-    return kLeft + (kRight - kLeft) * (limit - 0.5) / count;
+    return kFrontierLeft + (kFrontierRight - kFrontierLeft) * (limit - 0.5) / count;
   }
   [[nodiscard]] double y_ipr(double ipr) const {
     const double decades = std::log10(std::max(ipr, std::pow(10.0, low_decade_)));
-    return kBottom - (kBottom - kTop) * (decades - low_decade_) / (high_decade_ - low_decade_);
+    return kFrontierBottom -
+           (kFrontierBottom - kFrontierTop) * (decades - low_decade_) / (high_decade_ - low_decade_);
   }
   [[nodiscard]] double y_psnr(double psnr) const {
-    return kBottom - (kBottom - kTop) * (psnr - low_psnr_) / (high_psnr_ - low_psnr_);
+    return kFrontierBottom - (kFrontierBottom - kFrontierTop) * (psnr - low_psnr_) / (high_psnr_ - low_psnr_);
   }
 
   static std::string text(double x, double y, const char* anchor, const std::string& style,
@@ -99,11 +100,11 @@ class Panel {
 
   // The column of the number that was chosen.
   [[nodiscard]] std::string marks() const {
-    const double half = 0.5 * (kRight - kLeft) / static_cast<double>(points_.size());
+    const double half = 0.5 * (kFrontierRight - kFrontierLeft) / static_cast<double>(points_.size());
     return fmt::format(
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
         "class=\"mark\"/>\n",
-        x(primitive_.frontier.chosen) - half, kTop, 2 * half, kBottom - kTop);
+        x(primitive_.frontier.chosen) - half, kFrontierTop, 2 * half, kFrontierBottom - kFrontierTop);
   }
 
   [[nodiscard]] std::string grid() const {
@@ -112,14 +113,14 @@ class Panel {
       const double ipr = std::pow(10.0, decade);
       const bool stands_for_none = decade == low_decade_ && has_zero();
       svg += fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/>\n",
-                         kLeft, kRight, y_ipr(ipr), y_ipr(ipr));
-      svg += text(kLeft - 8, y_ipr(ipr) + 4, "end", "ipr",
+                         kFrontierLeft, kFrontierRight, y_ipr(ipr), y_ipr(ipr));
+      svg += text(kFrontierLeft - 8, y_ipr(ipr) + 4, "end", "ipr",
                   stands_for_none ? "0" : fmt::format("{:.3g} %", 100 * ipr));
     }
     for (double psnr = low_psnr_; psnr <= high_psnr_ + 0.5; psnr += kPsnrStep)
-      svg += text(kRight + 8, y_psnr(psnr) + 4, "start", "psnr", fmt::format("{:.0f} dB", psnr));
-    svg += text(kLeft - 56, kTop - 10, "start", "ipr", "wrong pixels");
-    return svg + text(kRight + 56, kTop - 10, "end", "psnr", "PSNR");
+      svg += text(kFrontierRight + 8, y_psnr(psnr) + 4, "start", "psnr", fmt::format("{:.0f} dB", psnr));
+    svg += text(kFrontierLeft - 56, kFrontierTop - 10, "start", "ipr", "wrong pixels");
+    return svg + text(kFrontierRight + 56, kFrontierTop - 10, "end", "psnr", "PSNR");
   }
 
   [[nodiscard]] bool has_zero() const {
@@ -133,11 +134,11 @@ class Panel {
     const std::string words = report_.min_psnr ? fmt::format("target {:g} dB", *report_.min_psnr)
                                                : "target " + format_percent(report_.max_error);
     const std::string line = fmt::format(
-        "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target {}-line\"/>\n", kLeft,
-        kRight, y, y, color);
+        "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target {}-line\"/>\n",
+        kFrontierLeft, kFrontierRight, y, y, color);
     // Beside the axis of its measure.
-    return line + (report_.min_psnr ? text(kRight - 6, y - 6, "end", "small " + color, words)
-                                    : text(kLeft + 6, y - 6, "start", "small " + color, words));
+    return line + (report_.min_psnr ? text(kFrontierRight - 6, y - 6, "end", "small " + color, words)
+                                    : text(kFrontierLeft + 6, y - 6, "start", "small " + color, words));
   }
 
   [[nodiscard]] std::string curves() const {
@@ -164,16 +165,16 @@ class Panel {
     const OrderFrontier& frontier = primitive_.frontier;
     std::string svg;
     for (const FrontierPoint& point : points_) {
-      svg += text(x(point.limit), kBottom + 18, "middle", "", std::to_string(point.limit));
-      svg += text(x(point.limit), kBottom + 52, "middle", "small", format_bytes(point.memory_bytes));
+      svg += text(x(point.limit), kFrontierBottom + 18, "middle", "", std::to_string(point.limit));
+      svg += text(x(point.limit), kFrontierBottom + 52, "middle", "small", format_bytes(point.memory_bytes));
     }
     const auto word = [&](std::uint32_t limit) -> std::string {
       if (limit == frontier.chosen) return limit == frontier.knee ? "chosen, knee" : "chosen";
       return limit == frontier.knee ? "knee" : "";
     };
     for (const FrontierPoint& point : points_)
-      svg += text(x(point.limit), kBottom + 34, "middle", "small", word(point.limit));
-    return svg + text((kLeft + kRight) / 2, kBottom + 72, "middle", "small",
+      svg += text(x(point.limit), kFrontierBottom + 34, "middle", "small", word(point.limit));
+    return svg + text((kFrontierLeft + kFrontierRight) / 2, kFrontierBottom + 72, "middle", "small",
                       "order buffers, and their index memory");
   }
 
@@ -193,7 +194,7 @@ std::string frontier_svg(const FrontierReport& report) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" "
       "height=\"{:.0f}\" role=\"img\" aria-label=\"Error against number of buffers\">\n{}\n<rect "
       "width=\"100%\" height=\"100%\" class=\"ground\"/>\n",
-      kWidth, height, kWidth, height, kStyle);
+      kFrontierWidth, height, kFrontierWidth, height, kFrontierStyle);
   for (std::size_t i = 0; i < report.primitives.size(); ++i) {
     svg += fmt::format("<g transform=\"translate(0 {:.0f})\">\n{}</g>\n",
                        kPanelHeight * static_cast<double>(i), Panel(report, report.primitives[i]).svg());

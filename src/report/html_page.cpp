@@ -11,7 +11,7 @@ namespace pellucid {
 namespace {
 
 // Restrained: one column, one accent, system fonts; follows the reader's light or dark scheme.
-constexpr std::string_view kStyle = R"css(
+constexpr std::string_view kPageStyle = R"css(
 :root{color-scheme:light dark;--ink:#1c2430;--soft:#5b6675;--line:#dfe4ea;--ground:#fff;--tile:#f5f7f9;--accent:#1f6fb2;--bar:#7fb0d8}
 @media(prefers-color-scheme:dark){:root{--ink:#e4e9ef;--soft:#98a4b3;--line:#2d3642;--ground:#12161c;--tile:#1a2028;--accent:#6db3ec;--bar:#3f78a8}}
 *{box-sizing:border-box}
@@ -119,7 +119,7 @@ std::string html_page(const std::string& title, const std::string& content) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\"/><title>";
   page += escape_html(title) + "</title><style>";
-  page += kStyle;
+  page += kPageStyle;
   page += "</style></head><body><main>\n";
   page += content;
   return page + "</main></body></html>\n";

@@ -11,21 +11,22 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kMaxLevel = 5;
 constexpr std::uint32_t kMaxSampleLevel = 4;
 
 [[noreturn]] void refuse(const std::string& text) {
   throw Error(ErrorKind::bad_argument,
               "'" + text + "' is not a view partition: use S<n>,<m> with n in 0.." +
-                  std::to_string(kMaxLevel) + " and m in 0.." + std::to_string(kMaxSampleLevel) +
-                  " (sampled view triangles), or with n in 0.." + std::to_string(kMaxLevel) +
+                  std::to_string(kMaxPartitionLevel) + " and m in 0.." + std::to_string(kMaxSampleLevel) +
+                  " (sampled view triangles), or with n in 0.." + std::to_string(kMaxPartitionLevel) +
                   " P<n> (discrete viewpoints), T<n> (all viewpoints of view "
                   "triangles) or R<n> (of view regions)");
 }
 
 void check_spec(const PartitionSpec& spec) {
   const bool sampled = has_triangle_cells(spec);
-  if (spec.level > kMaxLevel || (sampled && spec.sample_level > kMaxSampleLevel)) refuse(to_string(spec));
+  if (spec.level > kMaxPartitionLevel || (sampled && spec.sample_level > kMaxSampleLevel)) {
+    refuse(to_string(spec));
+  }
   if (is_continuous(spec) && spec.sample_level != kSolidSampleLevel) refuse(to_string(spec));
 }
 
@@ -159,7 +160,7 @@ PartitionSpec parse_partition(const std::string& text) {
   } else {
     refuse(text);
   }
-  if (spec.level > kMaxLevel || spec.sample_level > kMaxSampleLevel) refuse(text);
+  if (spec.level > kMaxPartitionLevel || spec.sample_level > kMaxSampleLevel) refuse(text);
   return spec;
 }
 

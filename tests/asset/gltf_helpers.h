@@ -271,6 +271,25 @@ inline std::vector<Triangle> drawn(const Mesh& mesh, const NodeSequence& order) 
   return triangles;
 }
 
+inline std::vector<std::uint32_t> identity(std::size_t count) {
+  std::vector<std::uint32_t> sequence(count);
+  std::iota(sequence.begin(), sequence.end(), 0U);
+  return sequence;
+}
+
+inline std::vector<Triangle> in_order(const Mesh& mesh, const std::vector<std::uint32_t>& sequence) {
+  std::vector<Triangle> triangles;
+  for (const std::uint32_t t : sequence) triangles.push_back(mesh.triangles[t]);
+  return triangles;
+}
+
+// Damage to an order extension, and what its refusal must say.
+struct BadExtension {
+  const char* name;
+  std::function<void(Json& extension, Json& document)> damage;
+  const char* message;
+};
+
 inline Model model_of(const Mesh& mesh) {
   Model model = make_model({{"part", mesh, {0.2F, 0.4F, 0.8F, 0.5F}}}, "hand-made");
   return model;

@@ -91,18 +91,6 @@ void expect_equal(const OrderSet& a, const OrderSet& b) {
   EXPECT_EQ(a.base_sequence, b.base_sequence);
 }
 
-std::vector<Triangle> in_order(const Mesh& mesh, const std::vector<std::uint32_t>& sequence) {
-  std::vector<Triangle> triangles;
-  for (const std::uint32_t t : sequence) triangles.push_back(mesh.triangles[t]);
-  return triangles;
-}
-
-std::vector<std::uint32_t> identity(std::size_t count) {
-  std::vector<std::uint32_t> sequence(count);
-  std::iota(sequence.begin(), sequence.end(), 0U);
-  return sequence;
-}
-
 TEST_P(EveryForm, ComesBackAsWritten) {
   Random random(7);
   const Mesh mesh = random_mesh(random, 40, 60);
@@ -379,12 +367,6 @@ TEST(OrderNodes, DuplicatesAndCoincidentTwinsResolveInOrder) {
 }
 
 // ----------------------------------------------------------------------------------------- bad extensions
-
-struct BadExtension {
-  const char* name;
-  std::function<void(Json& extension, Json& document)> damage;
-  const char* message;
-};
 
 class BadOrders : public ::testing::TestWithParam<BadExtension> {};
 

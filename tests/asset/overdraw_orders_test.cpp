@@ -5,15 +5,15 @@
 namespace pellucid::test {
 namespace {
 
-struct Form {
+struct OverdrawForm {
   OrderEncoding encoding;
   bool split;
   const char* cells;
   const char* extension;
 };
 
-std::vector<Form> all_forms() {
-  std::vector<Form> forms;
+std::vector<OverdrawForm> all_overdraw_forms() {
+  std::vector<OverdrawForm> forms;
   for (const OrderEncoding encoding :
        {OrderEncoding::indices, OrderEncoding::patches, OrderEncoding::meshopt}) {
     for (const bool split : {false, true}) {
@@ -25,7 +25,7 @@ std::vector<Form> all_forms() {
   return forms;
 }
 
-class EveryOverdrawForm : public ::testing::TestWithParam<Form> {
+class EveryOverdrawForm : public ::testing::TestWithParam<OverdrawForm> {
  protected:
   [[nodiscard]] static WriteOptions options() {
     WriteOptions options;
@@ -75,23 +75,11 @@ void expect_same_tables(const OrderSet& a, const OrderSet& b) {
   }
 }
 
-void expect_same_drawing(const Mesh& mesh_a, const OrderSet& a, const Mesh& mesh_b, const OrderSet& b) {
+void expect_same_triangles(const Mesh& mesh_a, const OrderSet& a, const Mesh& mesh_b, const OrderSet& b) {
   ASSERT_EQ(a.orders.size(), b.orders.size());
   for (std::size_t i = 0; i < a.orders.size(); ++i) {
     EXPECT_EQ(drawn(mesh_a, a.orders[i]), drawn(mesh_b, b.orders[i])) << "order " << i;
   }
-}
-
-std::vector<std::uint32_t> identity(std::size_t count) {
-  std::vector<std::uint32_t> sequence(count);
-  std::iota(sequence.begin(), sequence.end(), 0U);
-  return sequence;
-}
-
-std::vector<Triangle> in_order(const Mesh& mesh, const std::vector<std::uint32_t>& sequence) {
-  std::vector<Triangle> triangles;
-  for (const std::uint32_t t : sequence) triangles.push_back(mesh.triangles[t]);
-  return triangles;
 }
 
 const Json& extension_of(const Json& document, std::size_t mesh) {
@@ -111,7 +99,7 @@ TEST_P(EveryOverdrawForm, ComesBackAsWritten) {
     const OrderSet& set = entries[p].orders;
     ASSERT_TRUE(primitive.orders);
     expect_same_tables(set, *primitive.orders);
-    expect_same_drawing(model.primitives[p].mesh, set, primitive.mesh, *primitive.orders);
+    expect_same_triangles(model.primitives[p].mesh, set, primitive.mesh, *primitive.orders);
     EXPECT_EQ(primitive.mesh.triangles, in_order(model.primitives[p].mesh, set.base_sequence));
     EXPECT_EQ(primitive.mesh.positions, model.primitives[p].mesh.positions);
     EXPECT_EQ(primitive.orders->base_sequence, identity(set.base_sequence.size()));
@@ -174,7 +162,7 @@ TEST_P(EveryOverdrawForm, ComesOffWithoutATrace) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryOverdrawForm, ::testing::ValuesIn(all_forms()));
+INSTANTIATE_TEST_SUITE_P(All, EveryOverdrawForm, ::testing::ValuesIn(all_overdraw_forms()));
 
 // -------------------------------------------------------------------------------------------- validator
 
@@ -187,7 +175,7 @@ TEST(ValidatorFiles, OverdrawFormsAreWritten) {
   Random random(47);
   const Model model = read_model(moving_pyramids().save(temporary / "moving.glb"));
   int number = 0;
-  for (const Form& form : all_forms()) {
+  for (const OverdrawForm& form : all_overdraw_forms()) {
     std::vector<OrderedPrimitive> entries;
     for (std::uint32_t p = 0; p < 2; ++p) {
       entries.push_back(
@@ -221,14 +209,14 @@ TEST(OverdrawOrders, PatchesBringTheirBaseAlongEvenUnasked) {
     write_model(model, {{0, set, {}}}, folder / "indices.glb", options);
     const Primitive kept = read_model(folder / "indices.glb").primitives[0];
     EXPECT_EQ(kept.mesh.triangles, mesh.triangles);
-    expect_same_drawing(mesh, set, kept.mesh, *kept.orders);
+    expect_same_triangles(mesh, set, kept.mesh, *kept.orders);
     options.encoding = OrderEncoding::patches;
     options.direction = SortDirection::back_to_front;  // not a thing of overdraw orders
     write_model(model, {{0, set, {}}}, folder / "patches.glb", options);
     const Primitive baked = read_model(folder / "patches.glb").primitives[0];
     EXPECT_EQ(baked.mesh.triangles, in_order(mesh, set.base_sequence));
     EXPECT_EQ(baked.orders->patch_offsets, set.patch_offsets);
-    expect_same_drawing(mesh, set, baked.mesh, *baked.orders);
+    expect_same_triangles(mesh, set, baked.mesh, *baked.orders);
   }
 }
 
@@ -245,7 +233,7 @@ TEST(OverdrawOrders, OfAPrimitiveThatKeepsItsTrianglesAreIndices) {
   EXPECT_FALSE(extension_of(json, 0).contains("patchOffsets"));
   const Primitive written = read_model(folder / "b.glb").primitives[0];
   EXPECT_EQ(written.mesh.triangles, model.primitives[0].mesh.triangles);
-  expect_same_drawing(model.primitives[0].mesh, set, written.mesh, *written.orders);
+  expect_same_triangles(model.primitives[0].mesh, set, written.mesh, *written.orders);
 }
 
 TEST(OverdrawOrders, LeaveOutWhatTheBaseLeavesOut) {
@@ -270,12 +258,6 @@ TEST(OverdrawOrders, LeaveOutWhatTheBaseLeavesOut) {
 }
 
 // ----------------------------------------------------------------------------------------- bad extensions
-
-struct BadExtension {
-  const char* name;
-  std::function<void(Json& extension, Json& document)> damage;
-  const char* message;
-};
 
 // The accessor that a key of the extension names.
 Json& accessor_of(Json& document, const Json& id) {

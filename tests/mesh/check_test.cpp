@@ -8,13 +8,14 @@
 #include <set>
 #include <utility>
 
+#include "meshes.h"
 #include "pellucid/mesh.h"
 
 namespace pellucid {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 Mesh tetrahedron() {
   return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
@@ -145,14 +146,14 @@ TEST(Clean, DropsWhatDrawsNothingAndKeepsOrderVerticesAndDuplicates) {
   mesh.triangles.push_back({1, 0, 2});  // triangle 0 again
   const CleanMesh kept = clean(mesh, {}, "m");
   EXPECT_EQ(kept.mesh.positions, mesh.positions);
-  EXPECT_THAT(kept.source, testing::ElementsAre(0, 2, 3, 4, 5));
+  EXPECT_THAT(kept.source, ::testing::ElementsAre(0, 2, 3, 4, 5));
   for (std::size_t i = 0; i < kept.source.size(); ++i) {
     EXPECT_EQ(kept.mesh.triangles[i], mesh.triangles[kept.source[i]]);
   }
   EXPECT_EQ(kept.report.degenerate, 1U);
 
   const CleanMesh dropped = clean(mesh, {.duplicates = DuplicatePolicy::drop}, "m");
-  EXPECT_THAT(dropped.source, testing::ElementsAre(0, 2, 3, 4));
+  EXPECT_THAT(dropped.source, ::testing::ElementsAre(0, 2, 3, 4));
 }
 
 TEST(Clean, ResultIsCleanOnRandomMeshes) {
@@ -193,7 +194,7 @@ TEST(Clean, StrictRefusesAndSaysWhy) {
 
 TEST(Weld, FirstVertexWithTheSamePosition) {
   const std::vector<Vec3f> positions{{1, 2, 3}, {0, 0, 0}, {1, 2, 3}, {-0.0F, 0, -0.0F}, {3, 2, 1}};
-  EXPECT_THAT(weld_by_position(positions), testing::ElementsAre(0, 1, 0, 1, 4));
+  EXPECT_THAT(weld_by_position(positions), ::testing::ElementsAre(0, 1, 0, 1, 4));
   EXPECT_TRUE(weld_by_position({}).empty());
 }
 

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "meshes.h"
 #include "pellucid/mesh.h"
 
 namespace pellucid {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 TEST(BoundingSphere, OfNothingIsAPointAtTheOrigin) {
   EXPECT_EQ(bounding_sphere({}).radius, 0);

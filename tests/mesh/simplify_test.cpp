@@ -9,6 +9,7 @@
 namespace pellucid {
 namespace {
 
+using testing::kNaN;
 using testing::volume;
 
 TEST(Simplify, ReachesTheTargetAndKeepsTheShape) {
@@ -49,7 +50,6 @@ TEST(Simplify, WeldsSeamsSoThatTheyDoNotOpen) {
 }
 
 TEST(Simplify, LeavesSmallMeshesAloneButCleansThem) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const Mesh mesh{
       {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNaN, 0, 0}}, {}, {{1, 2, 3}, {1, 2, 4}, {1, 1, 2}}};
   const Mesh simple = simplify(mesh, 100);

@@ -14,7 +14,7 @@ using testing::EdgeMap;
 constexpr MergePriority kPriorities[] = {MergePriority::union_size, MergePriority::intersection,
                                          MergePriority::difference};
 
-OrderProblem problem_of(const Mesh& mesh, double tolerance = 0.003) {
+OrderProblem acyclic_problem_of(const Mesh& mesh, double tolerance = 0.003) {
   OrderOptions options;
   options.distances = {1.5, kInfiniteDistance};
   return make_problem(mesh, {PartitionKind::sampled_triangles, 1, 1}, options, tolerance);
@@ -64,7 +64,7 @@ void expect_sound(const OrderProblem& problem, const Clustering& clustering) {
 TEST(Acyclic, ViolatesNoKeptEdgeWhateverThePriority) {
   for (const Mesh& mesh : {testing::sample_mesh("torus-knot", 0.1, 300), testing::random_soup(60, 0.2, 1),
                            testing::nested_spheres(1)}) {
-    const OrderProblem problem = problem_of(mesh);
+    const OrderProblem problem = acyclic_problem_of(mesh);
     for (const MergePriority priority : kPriorities) {
       OrderStatistics statistics;
       const Clustering clustering = cluster_acyclically(problem, options_of(priority), statistics);
@@ -81,7 +81,7 @@ TEST(Acyclic, ViolatesNoKeptEdgeWhateverThePriority) {
 
 TEST(Acyclic, AConvexMeshNeedsOneOrder) {
   // Only a face turned away lies behind one turned to the camera: no two edges ever disagree.
-  const OrderProblem problem = problem_of(testing::icosphere_mesh(2));
+  const OrderProblem problem = acyclic_problem_of(testing::icosphere_mesh(2));
   for (const MergePriority priority : kPriorities) {
     OrderStatistics statistics;
     const Clustering clustering = cluster_acyclically(problem, options_of(priority), statistics);
@@ -92,7 +92,7 @@ TEST(Acyclic, AConvexMeshNeedsOneOrder) {
 }
 
 TEST(Acyclic, BreaksACycleAtItsLightestEdge) {
-  const OrderProblem problem = problem_of(testing::three_sticks(), 0);
+  const OrderProblem problem = acyclic_problem_of(testing::three_sticks(), 0);
   OrderStatistics statistics;
   const Clustering clustering =
       cluster_acyclically(problem, options_of(MergePriority::union_size), statistics);
@@ -108,7 +108,7 @@ TEST(Acyclic, BreaksACycleAtItsLightestEdge) {
 
 TEST(Acyclic, RelaxationOnlyLowersTheCount) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const OrderProblem problem = problem_of(testing::random_soup(80, 0.3, seed));
+    const OrderProblem problem = acyclic_problem_of(testing::random_soup(80, 0.3, seed));
     OrderOptions options = options_of(MergePriority::union_size, seed);
     options.fruitless_rounds = 0;
     OrderStatistics without;

@@ -9,8 +9,9 @@ namespace pellucid {
 namespace {
 
 using testing::EdgeMap;
+using testing::violated;
 
-EdgeMap random_edges(std::uint32_t nodes, std::uint64_t count, Random& random) {
+EdgeMap random_exact_edges(std::uint32_t nodes, std::uint64_t count, Random& random) {
   EdgeMap edges;
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto u = static_cast<NodeId>(random.below(nodes));
@@ -18,12 +19,6 @@ EdgeMap random_edges(std::uint32_t nodes, std::uint64_t count, Random& random) {
     if (u != v) edges[{u, v}] = static_cast<double>(1 + random.below(32)) / 32;
   }
   return edges;
-}
-
-double violated(const EdgeMap& edges, const std::vector<std::uint32_t>& ranks) {
-  double sum = 0;
-  for (const auto& [pair, weight] : edges) sum += ranks[pair.first] > ranks[pair.second] ? weight : 0;
-  return sum;
 }
 
 std::vector<std::vector<std::uint32_t>> permutations(std::uint32_t nodes) {
@@ -43,7 +38,7 @@ TEST(UnavoidableWeight, IsAtMostTheBestOfAllPermutations) {
   for (std::uint32_t nodes = 2; nodes <= 7; ++nodes) {
     const auto all = permutations(nodes);
     for (int trial = 0; trial < 12; ++trial) {
-      const EdgeMap edges = random_edges(nodes, random.below(std::uint64_t{nodes} * nodes), random);
+      const EdgeMap edges = random_exact_edges(nodes, random.below(std::uint64_t{nodes} * nodes), random);
       const EdgeRows rows = testing::rows_of(nodes, edges);
       double optimum = std::numeric_limits<double>::infinity();
       for (const auto& ranks : all) optimum = std::min(optimum, violated(edges, ranks));
@@ -83,7 +78,7 @@ TEST(UnavoidableInCells, NoTwoOrdersOfAFewCellsViolateLess) {
     graph.node_count = 5;
     std::vector<EdgeMap> cells;
     for (int cell = 0; cell < 3; ++cell) {
-      cells.push_back(random_edges(5, 14, random));
+      cells.push_back(random_exact_edges(5, 14, random));
       graph.cells.emplace_back(testing::rows_of(5, cells.back()));
     }
     // Weights are kept with 8 bits: 1/32 .. 1 are exact.

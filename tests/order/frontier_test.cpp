@@ -62,7 +62,7 @@ TEST(Frontier, TheKneeIsWhereTheCurveBends) {
   EXPECT_EQ(knee_limit(points_of({0.1}), target), 0U);
 }
 
-OrderOptions quick() {
+OrderOptions frontier_options() {
   OrderOptions options;
   options.partition = parse_partition("S0,1");
   options.distances = {2, kInfiniteDistance};
@@ -100,20 +100,20 @@ void expect_single_runs(const Mesh& mesh, OrderOptions options, std::uint32_t mo
 }
 
 TEST(Frontier, EveryPointIsWhatASingleRunGives) {
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.max_error = 0.01;
   expect_single_runs(testing::sample_mesh("torus-knot", 0.1, 200), options, 3);
 }
 
 TEST(Frontier, AlsoWithWeightsTheCacheAndASearchOnASimplerMesh) {
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.alpha = 0.6;
   options.cache_size = 16;
   expect_single_runs(testing::sample_mesh("goblet", 0.6, 1600), options, 2);
 }
 
 TEST(Frontier, AlsoWithUpsampling) {
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.partition = parse_partition("P0");
   options.distances = {2};
   options.upsample_from = 150;
@@ -121,7 +121,7 @@ TEST(Frontier, AlsoWithUpsampling) {
 }
 
 TEST(Frontier, HasNoOrdersUnlessAskedFor) {
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.max_buffers = 2;
   const OrderFrontier frontier = order_frontier(testing::sample_mesh("goblet", 0.1, 200), options);
   EXPECT_FALSE(frontier.result.has_value());
@@ -132,10 +132,10 @@ TEST(Frontier, HasNoOrdersUnlessAskedFor) {
 
 TEST(Frontier, RefusesWhatMakesNoSense) {
   const Mesh mesh = testing::sample_mesh("goblet", 0.1, 200);
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.method = OrderMethod::acyclic;
   EXPECT_THROW(order_frontier(mesh, options), Error);
-  options = quick();
+  options = frontier_options();
   options.alpha = 1.5;
   EXPECT_THROW(order_mesh(mesh, options), Error);
   options.alpha = 0;
@@ -148,7 +148,7 @@ TEST(Frontier, RefusesWhatMakesNoSense) {
 TEST(PictureError, AgreesWithTheRoomMetric) {
   const Mesh mesh = testing::sample_mesh("torus-knot", 0.1, 400);
   ASSERT_TRUE(mesh.normals.empty());
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.min_buffers = options.max_buffers = 2;
   const OrderResult result = order_mesh(mesh, options);
   const OrderSet& set = result.orders;
@@ -182,7 +182,7 @@ TEST(PictureError, AgreesWithTheRoomMetric) {
 
 TEST(PictureError, ThePsnrAskedForIsReachedWithFewBuffers) {
   const Mesh mesh = testing::sample_mesh("torus-knot", 0.1, 200);
-  OrderOptions options = quick();
+  OrderOptions options = frontier_options();
   options.max_error = 0.5;
   options.max_buffers = 8;
   const OrderResult by_ipr = order_mesh(mesh, options);

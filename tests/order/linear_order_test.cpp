@@ -11,6 +11,7 @@ namespace {
 using testing::EdgeMap;
 using testing::random_ranks;
 using testing::rows_of;
+using testing::violated;
 
 EdgeMap random_edges(std::uint32_t nodes, std::size_t count, Random& random) {
   EdgeMap edges;
@@ -31,14 +32,6 @@ EdgeMap random_dag(std::uint32_t nodes, std::size_t count, Random& random) {
     edges[forward ? pair : std::pair{pair.second, pair.first}] = weight;
   }
   return edges;
-}
-
-double violated(const EdgeMap& edges, const std::vector<std::uint32_t>& ranks) {
-  double sum = 0;
-  for (const auto& [pair, weight] : edges) {
-    if (ranks[pair.first] > ranks[pair.second]) sum += static_cast<double>(static_cast<float>(weight));
-  }
-  return sum;
 }
 
 double best_of_all(const EdgeMap& edges, std::uint32_t nodes) {

@@ -91,6 +91,15 @@ inline EdgeRows rows_of(std::uint32_t nodes, const EdgeMap& edges) {
   return rows;
 }
 
+// The weight that an order violates, as floats hold it.
+inline double violated(const EdgeMap& edges, const std::vector<std::uint32_t>& ranks) {
+  double sum = 0;
+  for (const auto& [pair, weight] : edges) {
+    if (ranks[pair.first] > ranks[pair.second]) sum += static_cast<double>(static_cast<float>(weight));
+  }
+  return sum;
+}
+
 inline EdgeMap map_of(const EdgeRows& rows) {
   EdgeMap edges;
   for (NodeId front = 0; front < rows.node_count(); ++front) {

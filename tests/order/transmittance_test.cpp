@@ -33,7 +33,7 @@ double area_of(const Mesh& mesh, std::uint32_t triangle) {
   return 0.5 * length(cross(to_double(mesh.positions[t[1]]) - a, to_double(mesh.positions[t[2]]) - a));
 }
 
-OcclusionScene scene_of(const Mesh& mesh, double alpha) {
+OcclusionScene faint_scene_of(const Mesh& mesh, double alpha) {
   OcclusionScene scene{mesh, bounding_sphere(mesh), {}, false, 0, 512, alpha};
   scene.positions = unit_positions(mesh, scene.sphere);
   return scene;
@@ -42,7 +42,7 @@ OcclusionScene scene_of(const Mesh& mesh, double alpha) {
 using EdgeFinder = void (*)(const OcclusionScene&, const Viewpoint&, OcclusionScratch&, ViewpointEdges&);
 
 EdgeMap edges_of(const Mesh& mesh, double alpha, const Viewpoint& viewpoint, EdgeFinder find) {
-  const OcclusionScene scene = scene_of(mesh, alpha);
+  const OcclusionScene scene = faint_scene_of(mesh, alpha);
   OcclusionScratch scratch;
   ViewpointEdges edges;
   find(scene, viewpoint, scratch, edges);
@@ -119,7 +119,7 @@ TEST(Transmittance, TrianglesBetweenPixelsLookAtTheirPlace) {
   add_square(mesh, size, 0.4, 0.11, 0.07);
   add_square(mesh, size, 0.0, 0.11, 0.07);
   add_square(mesh, size, -0.4, 0.11, 0.07);
-  const OcclusionScene scene = scene_of(mesh, kAlpha);
+  const OcclusionScene scene = faint_scene_of(mesh, kAlpha);
   const Viewpoint above{{0, 0, 1}, 4};
   ScreenTriangles screen;
   project_triangles(scene.positions, mesh.triangles, above, false, screen);

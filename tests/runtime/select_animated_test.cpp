@@ -8,19 +8,18 @@
 
 #include "pellucid/runtime/select.h"
 #include "pellucid/view.h"
+#include "runtime_helpers.h"
 
 namespace pellucid {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Direction = std::array<double, 3>;
+using testing::Direction;
+using testing::kInfinity;
+using testing::kNaN;
+using testing::to_array;
+
 using Matrix = std::array<double, 16>;
 constexpr Matrix kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
-Direction to_array(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
 
 PellucidKeyframes key_frames_at(const std::vector<float>& times) {
   PellucidKeyframes keyframes{};

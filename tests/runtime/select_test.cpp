@@ -9,17 +9,15 @@
 #include <vector>
 
 #include "pellucid/view.h"
+#include "runtime_helpers.h"
 
 namespace pellucid {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-using Direction = std::array<double, 3>;
-Direction to_array(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
+using testing::Direction;
+using testing::kInfinity;
+using testing::kNaN;
+using testing::to_array;
 
 // Inward edge normals of all triangles of a level, from make_icosphere: an oracle that shares no descent.
 class BruteForce {

@@ -110,7 +110,7 @@ class FrontToBack final : public Technique {
 };
 
 template <LayerStorage storage, bool depth_first>
-std::unique_ptr<Technique> make() {
+std::unique_ptr<Technique> make_front_to_back() {
   return std::make_unique<FrontToBack>(storage, depth_first);
 }
 
@@ -126,7 +126,7 @@ TechniqueEntry f2b() {
            .passes_formula = "D + 1",
            .bytes_formula = "48",
            .can_cull = true},
-          make<LayerStorage::image, false>};
+          make_front_to_back<LayerStorage::image, false>};
 }
 
 TechniqueEntry f2b2() {
@@ -139,7 +139,7 @@ TechniqueEntry f2b2() {
            .passes_formula = "2 (D + 1)",
            .bytes_formula = "48",
            .can_cull = true},
-          make<LayerStorage::image, true>};
+          make_front_to_back<LayerStorage::image, true>};
 }
 
 TechniqueEntry f2b_3p() {
@@ -150,7 +150,7 @@ TechniqueEntry f2b_3p() {
            .passes_formula = "3 (sum of ceil(C / 2) + 1)",
            .bytes_formula = "104",
            .can_cull = true},
-          make<LayerStorage::pairs, true>};
+          make_front_to_back<LayerStorage::pairs, true>};
 }
 
 TechniqueEntry f2b_ll() {
@@ -161,7 +161,7 @@ TechniqueEntry f2b_ll() {
            .passes_formula = "2 (D + 1)",
            .bytes_formula = "12 N + 48",
            .can_cull = true},
-          make<LayerStorage::lists, true>};
+          make_front_to_back<LayerStorage::lists, true>};
 }
 
 TechniqueEntry f2b_kb() {
@@ -173,7 +173,7 @@ TechniqueEntry f2b_kb() {
            .bytes_formula = "8 K + 52",
            .can_cull = true,
            .needs_atomics64 = true},
-          make<LayerStorage::chains, true>};
+          make_front_to_back<LayerStorage::chains, true>};
 }
 
 TechniqueEntry f2b_fab() {
@@ -186,7 +186,7 @@ TechniqueEntry f2b_fab() {
            .passes_formula = "2 (D + 1)",
            .bytes_formula = "8 K + 48",
            .can_cull = true},
-          make<LayerStorage::arrays, true>};
+          make_front_to_back<LayerStorage::arrays, true>};
 }
 
 }  // namespace pellucid::render

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture_options.h"
 #include "capture_picture.h"
 #include "choice.h"
 #include "pellucid/metric.h"
@@ -27,21 +28,6 @@ struct RenderCommand {
   ShadingOptions shading;
   CapturePicture capture;
 };
-
-struct Size {
-  std::uint32_t width = 0, height = 0;
-};
-
-Size parse_size(const std::string& text) {
-  Size size;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%ux%u%n", &size.width, &size.height, &used) != 2 ||
-      static_cast<std::size_t>(used) != text.size() || size.width == 0 || size.height == 0 ||
-      size.width > 16384 || size.height > 16384) {
-    throw Error(ErrorKind::bad_argument, "--size: '" + text + "' is not WIDTHxHEIGHT of 1..16384 pixels");
-  }
-  return size;
-}
 
 DrawOrder draw_order(Picture picture) {
   if (picture == Picture::original) return DrawOrder::original;
@@ -157,34 +143,7 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
   command->add_option("--technique", o.technique, "How fragments are gathered (see pellucid techniques)")
       ->type_name("NAME")
       ->capture_default_str();
-  std::vector<std::pair<std::string, Effect>> effects;
-  for (const NamedEffect& e : render_effects()) effects.emplace_back(e.name, e.effect);
-  add_choice(*command, "--effect", o.capture.options.effect, effects,
-             "What becomes of them (default transparency)");
-  add_choice(*command, "--csg", o.capture.options.csg,
-             {{"union", CsgOperation::union_of_all},
-              {"intersection", CsgOperation::intersection},
-              {"difference", CsgOperation::difference}},
-             "Operation of --effect csg on the file's objects; difference: the first minus all others");
-  add_choice(*command, "--surfaces", o.capture.surfaces,
-             {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
-             "uniform: all of one colour (default); file: base colours and alpha modes of the materials");
-  command
-      ->add_option("--k", o.capture.options.k,
-                   "Fragments a pixel, or buckets, of techniques with a fixed number")
-      ->check(CLI::Range(1, 64))
-      ->type_name("N")
-      ->capture_default_str();
-  command
-      ->add_option("--frames", o.capture.frames, "Draw so often: the time is the median of all but the first")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_flag("--plain-resolve", o.capture.options.plain_resolve,
-                    "Sort as is common, by insertion into a local array of 128: to measure against");
-  command->add_option("--device", o.capture.device.device, "Vulkan device, by a part of its name")
-      ->type_name("NAME");
-  command->add_flag("--validate", o.capture.device.validate, "Draw under Vulkan's validation layers");
+  add_capture_options(*command, o.capture);
   add_choice(*command, "--order", o.picture,
              {{"exact", Picture::exact},
               {"buffers", Picture::buffers},

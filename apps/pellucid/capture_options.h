@@ -1,0 +1,21 @@
+// Options of the subcommands that capture fragments.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "capture_picture.h"
+
+namespace pellucid::cli {
+
+// --effect, --csg, --surfaces, --k, --frames, --plain-resolve, --device, --validate; defaults as they are.
+void add_capture_options(CLI::App& command, CapturePicture& picture);
+
+struct Size {
+  std::uint32_t width = 0, height = 0;
+};
+// "1280x720". Throws Error{bad_argument}.
+Size parse_size(const std::string& text);
+
+}  // namespace pellucid::cli

@@ -20,8 +20,7 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
   add_choice(command, "--surfaces", picture.surfaces,
              {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
              "uniform: all of one colour (default); file: base colours and alpha modes of the materials");
-  command
-      .add_option("--k", options.k, "Fragments a pixel, or buckets, of techniques with a fixed number")
+  command.add_option("--k", options.k, "Fragments a pixel, or buckets, of techniques with a fixed number")
       ->check(CLI::Range(1, 64))
       ->type_name("N")
       ->capture_default_str();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "chart_parts.h"
 #include "overdraw_pictures.h"
 #include "pellucid/report.h"
 
@@ -23,45 +24,10 @@ constexpr double kBarHeight = 18;
 constexpr int kMostSteps = 5;          // of an axis
 constexpr double kLeastExcess = 0.01;  // that an axis goes to
 constexpr std::size_t kMostBins = 300;
-constexpr std::size_t kColors = 7;
-constexpr double kLabelGap = 17;         // between names of curves
 constexpr std::size_t kNameLength = 15;  // of rows, characters
 constexpr double kCharacter = 7.2;       // mean width at 12 pixels
 constexpr double kClipRoom = 84;         // for the name of a clip, even where the clip is narrower
 constexpr double kSeparatorGap = 6;      // clips closer than this have separators only beside their names
-
-// Names of its own, for on a page this style is everybody's. Colours after Okabe and Ito, with enough
-// contrast for lines and text on light and on dark ground.
-constexpr const char* kStyle = R"(<style>
-.overdraw-chart text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
-.overdraw-chart .small{font-size:12px}
-.overdraw-chart .soft{fill:#5b6675}
-.overdraw-chart .ground{fill:#ffffff}
-.overdraw-chart .grid{stroke:#dfe4ea}
-.overdraw-chart .axis{stroke:#8b95a1}
-.overdraw-chart .clip{stroke:#b9c1ca;stroke-dasharray:2 3}
-.overdraw-chart .curve polyline{fill:none;stroke:var(--c);stroke-width:1.8;stroke-linejoin:round;stroke-linecap:round}
-.overdraw-chart .first polyline{stroke-width:3}
-.overdraw-chart .again polyline{stroke-dasharray:5 4}
-.overdraw-chart .curve text{fill:var(--c)}
-.overdraw-chart .first text{font-weight:600}
-.overdraw-chart .curve line{stroke:var(--c);stroke-opacity:.6}
-.overdraw-chart .curve rect{fill:var(--c)}
-.overdraw-chart .c0{--c:#0b62c4}.overdraw-chart .c1{--c:#b35900}.overdraw-chart .c2{--c:#00795a}
-.overdraw-chart .c3{--c:#b03a80}.overdraw-chart .c4{--c:#8a6d00}.overdraw-chart .c5{--c:#1f8cab}
-.overdraw-chart .c6{--c:#5f6873}
-@media (prefers-color-scheme:dark){
-.overdraw-chart text{fill:#dde3ea}
-.overdraw-chart .soft{fill:#98a4b3}
-.overdraw-chart .ground{fill:#12161c}
-.overdraw-chart .grid{stroke:#2d3642}
-.overdraw-chart .axis{stroke:#6a7684}
-.overdraw-chart .clip{stroke:#4a5563}
-.overdraw-chart .c0{--c:#6cb2ff}.overdraw-chart .c1{--c:#f2a45c}.overdraw-chart .c2{--c:#4cc9a0}
-.overdraw-chart .c3{--c:#ee8fc4}.overdraw-chart .c4{--c:#d9c04a}.overdraw-chart .c5{--c:#7fd3ea}
-.overdraw-chart .c6{--c:#a5afba}
-}
-</style>)";
 
 // Key frames begin .. end - 1, of one clip: all of it (a segment of the axis) or some (a point of a curve).
 struct FrameRange {
@@ -107,34 +73,6 @@ double mean_of(const std::vector<double>& by_frame, const FrameRange& bin) {
     ++seen;
   }
   return seen == 0 ? 0 : sum / static_cast<double>(seen);
-}
-
-// At most `length` characters of UTF-8: its continuation bytes stay with the byte they follow.
-std::string abbreviated(const std::string& name, std::size_t length) {
-  std::size_t characters = 0;
-  std::size_t cut = name.size();
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    if ((static_cast<unsigned char>(name[i]) & 0xC0U) == 0x80U) continue;
-    if (++characters == length) cut = i;
-  }
-  return characters <= length ? name : name.substr(0, cut) + "\u2026";
-}
-
-std::string text_svg(double x, double y, const char* anchor, const char* style, const std::string& text) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y,
-                     anchor, style, escape_html(text));
-}
-
-std::string line_svg(double x0, double y0, double x1, double y1, const char* style) {
-  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x0, y0,
-                     x1, y1, style);
-}
-
-// What belongs to row `index`, in its colour; its whole name is the tooltip.
-std::string group_svg(std::size_t index, const std::string& name, const std::string& content) {
-  return fmt::format("<g class=\"curve c{}{}{}\"><title>{}</title>\n{}</g>\n", index % kColors,
-                     index == 0 ? " first" : "", index >= kColors ? " again" : "", escape_html(name),
-                     content);
 }
 
 // An axis of overdraw: from 1 in steps of 1, 2 or 5 times a power of ten.
@@ -310,19 +248,12 @@ class CurveChart {
       for (const auto& clip : means_[row]) {
         for (const double mean : clip) last = mean > 0 ? mean : last;
       }
-      if (last > 0) labels.push_back({row, axis_.at(last), axis_.at(last)});
+      if (last > 0) labels.push_back({row, axis_.at(last), 0});
     }
-    std::stable_sort(labels.begin(), labels.end(),
-                     [](const Label& a, const Label& b) { return a.end < b.end; });
-    const double gap =
-        std::min(kLabelGap, (kBottom - kTop) / std::max(1.0, static_cast<double>(labels.size()) - 1));
-    for (std::size_t i = 1; i < labels.size(); ++i)
-      labels[i].y = std::max(labels[i].y, labels[i - 1].y + gap);
-    double lowest = kBottom;
-    for (std::size_t i = labels.size(); i-- > 0;) {
-      labels[i].y = std::min(labels[i].y, lowest);
-      lowest = labels[i].y - gap;
-    }
+    std::vector<double> ends;
+    for (const Label& label : labels) ends.push_back(label.end);
+    const std::vector<double> heights = spread_labels(ends, kTop, kBottom);
+    for (std::size_t i = 0; i < labels.size(); ++i) labels[i].y = heights[i];
     return labels;
   }
 
@@ -342,7 +273,7 @@ class CurveChart {
             text_svg(kRight + 18, label.y + 4, "start", "",
                      abbreviated(shown.name, kNameLength) + " " + format_fixed(shown.key_frames.mean, 3));
       }
-      svg += group_svg(row, shown.name, content);
+      svg += group_svg(row, row == 0, shown.name, content);
     }
     return svg;
   }
@@ -370,7 +301,7 @@ std::string bars_svg(const OverdrawReport& report, double bottom) {
     const double y = kTop - 10 + kBarPitch * static_cast<double>(i);
     const bool seen = is_seen(row.key_frames.mean);
     const double end = seen ? axis.at(row.key_frames.mean) : kBarLeft;
-    svg += group_svg(i, row.name,
+    svg += group_svg(i, i == 0, row.name,
                      fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
                                  kBarLeft, y, end - kBarLeft, kBarHeight) +
                          text_svg(kBarLeft - 10, y + 14, "end", "", abbreviated(row.name, kNameLength)) +
@@ -404,10 +335,10 @@ std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
   }
   return fmt::format(
       "<svg{} viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
-      "aria-label=\"Mean overdraw, key frame by key frame\" class=\"overdraw-chart\">\n{}\n<rect "
+      "aria-label=\"Mean overdraw, key frame by key frame\" class=\"chart\">\n{}\n<rect "
       "width=\"100%\" height=\"100%\" class=\"ground\"/>\n{}</svg>\n",
       place == ChartPlace::file ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", kWidth, height, kWidth,
-      height, kStyle, content);
+      height, kChartStyle, content);
 }
 
 std::string overdraw_chart(const OverdrawReport& report) {

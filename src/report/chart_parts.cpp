@@ -1,0 +1,104 @@
+// What charts with named curves share: see chart_parts.h.
+#include "chart_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "pellucid/report.h"
+
+namespace pellucid {
+namespace {
+
+constexpr std::size_t kColors = 7;
+constexpr double kLabelGap = 17;
+
+// Colours come again with other dashes.
+const char* dashes(std::size_t index) {
+  if (index < kColors) return "";
+  return index < 2 * kColors ? " again" : " third";
+}
+
+}  // namespace
+
+// Names of its own, for on a page this style is everybody's. Colours after Okabe and Ito, with enough
+// contrast for lines and text on light and on dark ground.
+const char* const kChartStyle = R"(<style>
+.chart text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
+.chart .small{font-size:12px}
+.chart .soft{fill:#5b6675}
+.chart .ground{fill:#ffffff}
+.chart .grid{stroke:#dfe4ea}
+.chart .axis{stroke:#8b95a1}
+.chart .clip{stroke:#b9c1ca;stroke-dasharray:2 3}
+.chart .curve polyline{fill:none;stroke:var(--c);stroke-width:1.8;stroke-linejoin:round;stroke-linecap:round}
+.chart .strong polyline{stroke-width:3}
+.chart .again polyline{stroke-dasharray:7 4}
+.chart .third polyline{stroke-dasharray:2 4}
+.chart .curve circle{fill:var(--c)}
+.chart .curve text{fill:var(--c)}
+.chart .strong text{font-weight:600}
+.chart .curve line{stroke:var(--c);stroke-opacity:.6}
+.chart .curve rect{fill:var(--c)}
+.chart .c0{--c:#0b62c4}.chart .c1{--c:#b35900}.chart .c2{--c:#00795a}
+.chart .c3{--c:#b03a80}.chart .c4{--c:#8a6d00}.chart .c5{--c:#1f8cab}
+.chart .c6{--c:#5f6873}
+@media (prefers-color-scheme:dark){
+.chart text{fill:#dde3ea}
+.chart .soft{fill:#98a4b3}
+.chart .ground{fill:#12161c}
+.chart .grid{stroke:#2d3642}
+.chart .axis{stroke:#6a7684}
+.chart .clip{stroke:#4a5563}
+.chart .c0{--c:#6cb2ff}.chart .c1{--c:#f2a45c}.chart .c2{--c:#4cc9a0}
+.chart .c3{--c:#ee8fc4}.chart .c4{--c:#d9c04a}.chart .c5{--c:#7fd3ea}
+.chart .c6{--c:#a5afba}
+}
+</style>)";
+
+std::string abbreviated(const std::string& name, std::size_t length) {
+  std::size_t characters = 0;
+  std::size_t cut = name.size();
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if ((static_cast<unsigned char>(name[i]) & 0xC0U) == 0x80U) continue;
+    if (++characters == length) cut = i;
+  }
+  return characters <= length ? name : name.substr(0, cut) + "\u2026";
+}
+
+std::string text_svg(double x, double y, const char* anchor, const char* style, const std::string& text) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" class=\"{}\">{}</text>\n", x, y,
+                     anchor, style, escape_html(text));
+}
+
+std::string line_svg(double x0, double y0, double x1, double y1, const char* style) {
+  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x0, y0,
+                     x1, y1, style);
+}
+
+std::string group_svg(std::size_t index, bool strong, const std::string& name, const std::string& content) {
+  return fmt::format("<g class=\"curve c{}{}{}\"><title>{}</title>\n{}</g>\n", index % kColors,
+                     strong ? " strong" : "", dashes(index), escape_html(name), content);
+}
+
+
+std::vector<double> spread_labels(const std::vector<double>& ends, double top, double bottom) {
+  std::vector<std::size_t> upper_first(ends.size());
+  std::iota(upper_first.begin(), upper_first.end(), std::size_t{0});
+  std::stable_sort(upper_first.begin(), upper_first.end(),
+                   [&](std::size_t a, std::size_t b) { return ends[a] < ends[b]; });
+  const double gap =
+      std::min(kLabelGap, (bottom - top) / std::max(1.0, static_cast<double>(ends.size()) - 1));
+  std::vector<double> heights = ends;
+  for (std::size_t i = 1; i < ends.size(); ++i)
+    heights[upper_first[i]] = std::max(heights[upper_first[i]], heights[upper_first[i - 1]] + gap);
+  double lowest = bottom;
+  for (std::size_t i = ends.size(); i-- > 0;) {
+    heights[upper_first[i]] = std::min(heights[upper_first[i]], lowest);
+    lowest = heights[upper_first[i]] - gap;
+  }
+  return heights;
+}
+
+}  // namespace pellucid

@@ -1,0 +1,26 @@
+// What charts with named curves share: text, lines, the colours of curves, and places for their names.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace pellucid {
+
+// A <style> for <svg class="chart">, for light and dark ground.
+extern const char* const kChartStyle;
+
+// `text` is escaped; `style`: classes of kChartStyle.
+std::string text_svg(double x, double y, const char* anchor, const char* style, const std::string& text);
+std::string line_svg(double x0, double y0, double x1, double y1, const char* style);
+// What belongs to curve `index`, in its colour and dashes; its whole name is the tooltip.
+std::string group_svg(std::size_t index, bool strong, const std::string& name, const std::string& content);
+
+// At most `length` characters of UTF-8: its continuation bytes stay with the byte they follow.
+std::string abbreviated(const std::string& name, std::size_t length);
+
+// Heights for names beside the ends of their curves, in the same order, from `top` to `bottom` but not over
+// each other.
+std::vector<double> spread_labels(const std::vector<double>& ends, double top, double bottom);
+
+}  // namespace pellucid

@@ -36,6 +36,18 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
   command.add_flag("--validate", picture.device.validate, "Draw under Vulkan's validation layers");
 }
 
+TechniqueInfo cpu_technique() {
+  return {.name = "cpu",
+          .title = "every fragment of every pixel on the CPU: the oracle",
+          .paper = "",
+          .exact = true,
+          .captures = "all",
+          .passes_formula = "1",
+          .bytes_formula = "8 N + 8",
+          .needs_atomics64 = false,
+          .needs_layered = false};
+}
+
 Size parse_size(const std::string& text) {
   Size size;
   int used = 0;

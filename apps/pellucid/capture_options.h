@@ -12,6 +12,9 @@ namespace pellucid::cli {
 // --effect, --csg, --surfaces, --k, --frames, --plain-resolve, --device, --validate; defaults as they are.
 void add_capture_options(CLI::App& command, CapturePicture& picture);
 
+// What the reference on the CPU is among the techniques.
+TechniqueInfo cpu_technique();
+
 struct Size {
   std::uint32_t width = 0, height = 0;
 };

@@ -27,6 +27,7 @@ void add_commands(CLI::App& app, Chosen& chosen) {
   add_measure_command(app, chosen);
   add_inspect_command(app, chosen);
   add_render_command(app, chosen);
+  add_compare_command(app, chosen);
   add_sample_command(app, chosen);
   add_techniques_command(app, chosen);
 }

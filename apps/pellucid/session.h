@@ -80,6 +80,7 @@ void add_overdraw_command(CLI::App& app, Chosen& chosen);
 void add_measure_command(CLI::App& app, Chosen& chosen);
 void add_inspect_command(CLI::App& app, Chosen& chosen);
 void add_render_command(CLI::App& app, Chosen& chosen);
+void add_compare_command(CLI::App& app, Chosen& chosen);
 void add_sample_command(CLI::App& app, Chosen& chosen);
 void add_techniques_command(CLI::App& app, Chosen& chosen);
 

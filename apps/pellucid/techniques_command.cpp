@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "capture_options.h"
 #include "pellucid/render.h"
 #include "pellucid/report.h"
 #include "session.h"
@@ -26,18 +27,6 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"passes_formula", t.passes_formula},
           {"bytes_formula", t.bytes_formula},
           {"msaa", {1}}};
-}
-
-TechniqueInfo cpu_technique() {
-  return {.name = "cpu",
-          .title = "every fragment of every pixel on the CPU: the oracle",
-          .paper = "",
-          .exact = true,
-          .captures = "all",
-          .passes_formula = "1",
-          .bytes_formula = "8 N + 8",
-          .needs_atomics64 = false,
-          .needs_layered = false};
 }
 
 // Empty where there is none; why, is a note.

@@ -82,7 +82,6 @@ std::string group_svg(std::size_t index, bool strong, const std::string& name, c
                      strong ? " strong" : "", dashes(index), escape_html(name), content);
 }
 
-
 std::vector<double> spread_labels(const std::vector<double>& ends, double top, double bottom) {
   std::vector<std::size_t> upper_first(ends.size());
   std::iota(upper_first.begin(), upper_first.end(), std::size_t{0});

@@ -17,6 +17,7 @@ constexpr double kRadius = 100;
 constexpr double kGap = 24;
 constexpr std::uint32_t kRoundLevel = 3;  // 1,280 faces: the rim looks round
 constexpr std::uint32_t kHistogramBins = 24;
+constexpr std::size_t kMostBars = 110;
 constexpr double kPlotWidth = 520;
 constexpr double kPlotHeight = 240;
 constexpr double kPlotLeft = 56;
@@ -213,6 +214,13 @@ std::string axes_svg(const Axes& axes, const std::function<std::string(double)>&
                             (kPlotLeft + kPlotWidth - 10) / 2, kPlotHeight - 2, x_title);
 }
 
+// From x0 to x1, with a gap to the next one.
+std::string bar_svg(const Axes& axes, double x0, double x1, double y) {
+  const double gap = std::min(1.0, 0.1 * (axes.x(x1) - axes.x(x0)));
+  return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" class=\"bar\"/>",
+                     axes.x(x0) + gap, axes.y(y), axes.x(x1) - axes.x(x0) - 2 * gap, axes.y(0) - axes.y(y));
+}
+
 std::string plot_svg(const std::string& label, const std::string& content) {
   return fmt::format(
       "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\" class=\"plot\">{}</svg>", kPlotWidth,
@@ -310,13 +318,33 @@ std::string histogram_svg(std::span<const FrameError> frames) {
   std::string content = axes_svg(
       axes, percent_tick, [](double v) { return fmt::format("{:.0f}", v); }, "wrong pixels of a viewpoint");
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    const double x = axes.x(end * static_cast<double>(i) / kHistogramBins);
-    const double next = axes.x(end * static_cast<double>(i + 1) / kHistogramBins);
-    content +=
-        fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" class=\"bar\"/>",
-                    x + 1, axes.y(counts[i]), next - x - 2, axes.y(0) - axes.y(counts[i]));
+    content += bar_svg(axes, end * static_cast<double>(i) / kHistogramBins,
+                       end * static_cast<double>(i + 1) / kHistogramBins, counts[i]);
   }
   return plot_svg("Viewpoints by wrong pixels", content);
+}
+
+std::string depth_histogram_svg(std::span<const std::uint64_t> pixels_by_depth) {
+  const std::size_t deepest = pixels_by_depth.empty() ? 0 : pixels_by_depth.size() - 1;
+  // Bars of several depths where one each would be too thin.
+  const std::size_t width = deepest / kMostBars + 1;
+  std::vector<std::uint64_t> counts;
+  for (std::size_t n = 1; n <= deepest; n += width) {
+    counts.push_back(0);
+    for (std::size_t i = n; i < std::min(n + width, deepest + 1); ++i) counts.back() += pixels_by_depth[i];
+  }
+  const std::uint64_t most = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  const double end = kSteps * std::ceil(static_cast<double>(deepest + width) / kSteps);
+  const Axes axes{0, end, std::max(5.0, axis_end(static_cast<double>(most)))};
+  std::string content = axes_svg(
+      axes, [](double v) { return fmt::format("{:.0f}", v); },
+      [](double v) { return format_count(static_cast<std::uint64_t>(std::llround(v))); },
+      "fragments of a pixel");
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double first = static_cast<double>(1 + i * width) - 0.5;
+    content += bar_svg(axes, first, first + static_cast<double>(width), static_cast<double>(counts[i]));
+  }
+  return plot_svg("Pixels by number of fragments", content);
 }
 
 }  // namespace pellucid

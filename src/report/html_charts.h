@@ -1,6 +1,7 @@
 // Inline SVG for the report page: spheres of view directions and plots of the error.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -23,5 +24,8 @@ std::string distance_plot_svg(std::span<const Viewpoint> viewpoints, std::span<c
 
 // How many viewpoints have how many wrong pixels.
 std::string histogram_svg(std::span<const FrameError> frames);
+
+// How many pixels have how many fragments; pixels_by_depth[n] have n. Those without any are left out.
+std::string depth_histogram_svg(std::span<const std::uint64_t> pixels_by_depth);
 
 }  // namespace pellucid

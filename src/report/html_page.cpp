@@ -51,6 +51,13 @@ svg text{font-size:11px;fill:var(--soft)}
 .keys i{display:inline-block;width:11px;height:11px;border-radius:3px;margin-right:6px;vertical-align:-1px}
 .legend{display:flex;align-items:center;gap:8px;font-size:13px;color:var(--soft);margin-top:10px}
 .legend svg{width:180px;height:8px}
+.flip{display:flex;flex-wrap:wrap;gap:6px;margin-top:16px}
+.flip>input{position:absolute;opacity:0;pointer-events:none}
+.flip>label{font-size:14px;padding:3px 11px;border:1px solid var(--line);border-radius:7px;cursor:pointer}
+.flip>input:checked+label{background:var(--accent);border-color:var(--accent);color:var(--ground)}
+.flip>input:focus-visible+label{outline:2px solid var(--ink);outline-offset:1px}
+.flip>.views{order:1;flex-basis:100%;display:none;gap:12px;grid-template-columns:repeat(auto-fit,minmax(min(420px,100%),1fr))}
+.flip>input:checked+label+.views{display:grid}
 .scroll>svg{display:block;width:100%;min-width:680px;height:auto}
 .sheet{display:grid;gap:12px 10px;overflow-x:auto;margin-top:16px}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 20px;font-size:14.5px;margin:14px 0 0}

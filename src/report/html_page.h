@@ -8,7 +8,7 @@
 
 namespace pellucid {
 
-// A whole page: no script, no network, the reader's light or dark scheme.
+// A whole page: no network, the reader's light or dark scheme.
 std::string html_page(const std::string& title, const std::string& content);
 
 // A number and what it says, for <div class="tiles">.

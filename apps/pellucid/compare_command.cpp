@@ -1,0 +1,180 @@
+// pellucid compare: every capture technique on the same scenes, side by side.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "capture_options.h"
+#include "choice.h"
+#include "comparison.h"
+#include "pellucid/compare_report.h"
+#include "pellucid/shading.h"
+#include "session.h"
+#include "terminal_progress.h"
+
+namespace pellucid::cli {
+namespace {
+
+// What sweeps are of where no file is named: six layers, none of them coplanar.
+constexpr const char* kSweepSample = "torus-knot";
+
+struct CompareCommand {
+  std::vector<std::string> inputs;
+  std::string page;
+  std::string techniques = "all";
+  std::string sweeps = "none";
+  bool cpu_reference = false;
+  std::string camera = "30,20,3";
+  std::string size = "640x360";
+  double alpha = 0.5;
+  CapturePicture capture;
+};
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> names;
+  std::istringstream stream(list);
+  for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string> technique_names(const std::string& list) {
+  std::vector<std::string> names;
+  for (const std::string& name : split(list)) {
+    const bool only_exact = name == "exact";
+    if (name != "all" && !only_exact) names.push_back(technique_info(name).name);
+    for (const TechniqueInfo& technique : render_techniques()) {
+      if (name == "all" || (only_exact && technique.exact)) names.push_back(technique.name);
+    }
+  }
+  std::vector<std::string> once;
+  for (const std::string& name : names)
+    if (std::find(once.begin(), once.end(), name) == once.end()) once.push_back(name);
+  if (once.empty()) throw Error(ErrorKind::bad_argument, "--techniques: no technique is named");
+  return once;
+}
+
+std::vector<SweepKind> sweep_kinds(const std::string& list) {
+  std::vector<SweepKind> kinds;
+  std::string known;
+  for (const NamedSweep& sweep : compare_sweeps()) known += ", " + sweep.name;
+  for (const std::string& name : split(list)) {
+    bool found = name == "none";
+    for (const NamedSweep& sweep : compare_sweeps()) {
+      if (name != "all" && name != sweep.name) continue;
+      kinds.push_back(sweep.kind);
+      found = true;
+    }
+    if (!found)
+      throw Error(ErrorKind::bad_argument, "--sweep: '" + name + "' is none of none, all" + known);
+  }
+  return kinds;
+}
+
+CapturePicture picture_of(const CompareCommand& command) {
+  CapturePicture picture = command.capture;
+  const Size size = parse_size(command.size);
+  picture.width = size.width;
+  picture.height = size.height;
+  picture.camera_text = command.camera;
+  picture.look.alpha = command.alpha;
+  return picture;
+}
+
+ComparisonOptions options_of(const CompareCommand& command) {
+  ComparisonOptions options;
+  options.techniques = technique_names(command.techniques);
+  options.cpu_reference = command.cpu_reference;
+  options.frames = command.capture.frames;
+  options.draw = command.capture.options;
+  return options;
+}
+
+CompareReport new_report(const CompareCommand& command, const DeviceInfo& device) {
+  CompareReport report;
+  report.device = device;
+  report.effect = render_effects()[static_cast<std::size_t>(command.capture.options.effect)].name;
+  report.surfaces = command.capture.surfaces == Surfaces::file ? "file" : "uniform";
+  report.k = command.capture.options.k;
+  report.frames = command.capture.frames;
+  return report;
+}
+
+void run_compare(const CompareCommand& command, Session& session) {
+  const Stopwatch watch;
+  if (!command.page.empty()) check_writable(command.page);
+  session.check_json();
+  const ComparisonOptions options = options_of(command);
+  const std::vector<SweepKind> sweeps = sweep_kinds(command.sweeps);
+  if (command.inputs.empty() && sweeps.empty())
+    throw Error(ErrorKind::bad_argument, "no model given (see pellucid compare --help)");
+  const CapturePicture picture = picture_of(command);
+  parse_camera(command.camera);
+  Renderer renderer(picture.device);
+  CompareReport report = new_report(command, renderer.info());
+
+  std::optional<DrawnScene> first;
+  for (const std::string& input : command.inputs) {
+    session.set_subject(input);
+    begin_stage(session.progress(), "reading", 0);
+    DrawnScene drawn = open_scene(read_model(input), picture);
+    stop_if_signalled();
+    report.scenes.push_back(compare_techniques(renderer, drawn, options, session));
+    report.scenes.back().camera = command.camera;
+    if (!first) first = std::move(drawn);
+  }
+  if (!first && !sweeps.empty()) {
+    first = open_scene(make_model(make_sample(kSweepSample, 1), kSweepSample), picture);
+    first->input = kSweepSample;
+  }
+  for (const SweepKind kind : sweeps)
+    report.sweeps.push_back(sweep(renderer, *first, kind, options, session));
+
+  for (const std::string& message : renderer.validation_messages()) session.note(message);
+  stop_if_signalled();
+  report.seconds_total = watch.seconds();
+  report.peak_rss_bytes = peak_rss_bytes();
+  if (!command.page.empty()) write_file_atomically(command.page, compare_html(report));
+  session.print(to_text(report));
+  session.write_json(to_json(report));
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<CompareCommand>();
+  constexpr std::uint32_t kFrames = 6;
+  options->capture.frames = kFrames;
+  CLI::App* command = add_command(
+      app, chosen, "compare", "Capture techniques on the same scenes, side by side",
+      "  pellucid compare bottles.glb -o report.html --json report.json\n"
+      "  pellucid compare a.glb b.obj --techniques exact --size 1280x720 --surfaces file\n"
+      "  pellucid compare stack.glb --techniques sb,f2b,f2b-2p --reference cpu\n"
+      "  pellucid compare --sweep all --techniques sb,ll,f2b-2p,f2b-fab -o sweeps.html",
+      1, [options](Session& session) { run_compare(*options, session); });
+  CompareCommand& o = *options;
+  command->add_option("MODEL", o.inputs, "glTF, GLB, PLY, OBJ, STL or OFF")->type_name("");
+  command->add_option("-o,--output", o.page, "The page to write: tables, pictures, differences, plots")
+      ->type_name("FILE");
+  command->add_option("--techniques", o.techniques, "Names with commas, all, or exact")
+      ->type_name("LIST")
+      ->capture_default_str();
+  add_choice(*command, "--reference", o.cpu_reference, {{"sb", false}, {"cpu", true}},
+             "What draws the exact picture that others are compared with (default sb)");
+  command
+      ->add_option("--sweep", o.sweeps,
+                   "Also over resolution, coplanarity, depth, memory: names with commas, all, none; of the "
+                   "first model, or of a sample")
+      ->type_name("LIST")
+      ->capture_default_str();
+  add_capture_options(*command, o.capture);
+  command
+      ->add_option("--camera", o.camera, "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf)")
+      ->type_name("")
+      ->capture_default_str();
+  command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
+  command->add_option("--alpha", o.alpha, "Opacity of a face")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+}  // namespace pellucid::cli

@@ -1,0 +1,293 @@
+// Capture techniques drawing the same scene by turns: see comparison.h.
+#include "comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "capture_options.h"
+#include "scene.h"
+#include "terminal_progress.h"
+
+namespace pellucid::cli {
+namespace {
+
+constexpr const char* kCpu = "cpu";
+constexpr const char* kExact = "sb";
+
+// Draws by any technique, and takes part in turns with others.
+class Contender {
+ public:
+  Contender(const std::string& name, Renderer& renderer, const DrawnScene& drawn,
+            const RenderOptions& options, Session& session)
+      : renderer_(renderer), drawn_(drawn), options_(options), session_(session) {
+    options_.technique = name;
+  }
+
+  [[nodiscard]] const std::string& failure() const { return failure_; }
+  [[nodiscard]] const CaptureStats& stats() const { return stats_; }
+
+  // The first frame, in which drivers compile. Nothing is left of its pixels.
+  RenderResult draw_first() {
+    RenderResult result;
+    try {
+      result = draw();
+      stats_ = result.stats;
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::interrupted) throw;
+      failure_ = error.what();
+    }
+    return result;
+  }
+
+  void draw_again() {
+    if (!failure_.empty()) return;
+    try {
+      milliseconds_.push_back(draw().stats.milliseconds);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::interrupted) throw;
+      failure_ = error.what();
+      return;
+    }
+    std::vector<double> sorted = milliseconds_;
+    std::sort(sorted.begin(), sorted.end());
+    stats_.milliseconds = sorted[sorted.size() / 2];
+  }
+
+ private:
+  RenderResult draw() {
+    stop_if_signalled();
+    RenderResult result = options_.technique == kCpu
+                              ? draw_reference(drawn_.scene, drawn_.camera, options_)
+                              : renderer_.draw(drawn_.camera, options_, session_.progress());
+    advance_stage(session_.progress(), 1);
+    return result;
+  }
+
+  Renderer& renderer_;
+  const DrawnScene& drawn_;
+  RenderOptions options_;
+  Session& session_;
+  std::string failure_;
+  CaptureStats stats_;
+  std::vector<double> milliseconds_;
+};
+
+std::vector<Contender> contenders(Renderer& renderer, const DrawnScene& drawn,
+                                  const ComparisonOptions& options, Session& session) {
+  std::vector<Contender> all;
+  for (const std::string& name : options.techniques)
+    all.emplace_back(name, renderer, drawn, options.draw, session);
+  return all;
+}
+
+// By turns, so that what slows the machine for a while slows all of them.
+void take_turns(std::vector<Contender>& all, std::uint32_t frames) {
+  for (std::uint32_t frame = 1; frame < frames; ++frame) {
+    for (Contender& one : all) one.draw_again();
+  }
+}
+
+// Bytes of the picture, and its fragments counted by pixel.
+RenderResult draw_exact(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
+                        Session& session, ComparedScene& compared) {
+  RenderOptions exact = options.draw;
+  exact.technique = kExact;
+  exact.keep_fragments = true;
+  exact.pool = 0;
+  if (!options.cpu_reference) {
+    try {
+      compared.reference = kExact;
+      return renderer.draw(drawn.camera, exact, session.progress());
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::interrupted) throw;
+      compared.notes.push_back(fmt::format("the exact picture is the CPU's: {}", error.what()));
+    }
+  }
+  compared.reference = kCpu;
+  return draw_reference(drawn.scene, drawn.camera, exact);
+}
+
+std::vector<std::uint64_t> pixels_by_depth(const CapturedFragments& fragments, std::uint64_t deepest) {
+  std::vector<std::uint64_t> pixels(deepest + 1);
+  for (std::size_t p = 0; p + 1 < fragments.offsets.size(); ++p)
+    ++pixels[fragments.offsets[p + 1] - fragments.offsets[p]];
+  return pixels;
+}
+
+// What it drew and where it errs, if one can see it.
+std::vector<ReportPicture> pictures_of(const std::string& name, const Image& exact, const RenderResult& drawn,
+                                       const PictureError& error) {
+  if (error.differing == 0) return {};
+  const Image image = to_image(drawn);
+  return {{name, encode_png(image)},
+          {fmt::format("difference: {} of {} pixels", error.differing, drawn.pixels.size()),
+           encode_png(difference_image(exact, image))}};
+}
+
+// Copies of all triangles with moved corners: copy 0 is the scene.
+template <class Move>
+RenderScene copied(const RenderScene& scene, std::uint32_t copies, const Move& move) {
+  RenderScene out = scene;
+  const auto vertices = static_cast<std::uint32_t>(scene.positions.size());
+  for (std::uint32_t copy = 1; copy < copies; ++copy) {
+    for (const Vec3f& position : scene.positions) out.positions.push_back(move(position, copy));
+    out.normals.insert(out.normals.end(), scene.normals.begin(), scene.normals.end());
+    for (const Triangle& t : scene.triangles) {
+      const std::uint32_t first = copy * vertices;
+      out.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+    out.objects.insert(out.objects.end(), scene.objects.begin(), scene.objects.end());
+  }
+  return out;
+}
+
+DrawnScene in_one_place(const DrawnScene& drawn, std::uint32_t copies) {
+  return {drawn.input, copied(drawn.scene, copies, [](const Vec3f& p, std::uint32_t) { return p; }),
+          drawn.camera};
+}
+
+// Along the lines of sight, so that every copy covers the same pixels.
+DrawnScene behind_each_other(const DrawnScene& drawn, std::uint32_t copies) {
+  constexpr double kDepth = 0.25;  // of the scene's distance, for all copies together
+  const Camera& camera = drawn.camera;
+  const double step = kDepth / copies;
+  const auto move = [&](const Vec3f& p, std::uint32_t copy) {
+    const Vec3d position = to_double(p);
+    const Vec3d along = camera.perspective
+                            ? (position - camera.eye) * (step * copy)
+                            : camera.forward * ((camera.far_plane - camera.near_plane) * step * copy);
+    return to_float(position + along);
+  };
+  DrawnScene out{drawn.input, copied(drawn.scene, copies, move), camera};
+  out.camera.far_plane *= 1 + kDepth;
+  return out;
+}
+
+DrawnScene at_scale(const DrawnScene& drawn, double area) {
+  DrawnScene out = drawn;
+  const auto scaled = [&](std::uint32_t side) {
+    return std::max(1U, static_cast<std::uint32_t>(std::lround(side * std::sqrt(area))));
+  };
+  out.camera.width = scaled(drawn.camera.width);
+  out.camera.height = scaled(drawn.camera.height);
+  return out;
+}
+
+std::vector<double> values_of(SweepKind kind) {
+  if (kind == SweepKind::resolution) return {0.0625, 0.25, 0.5, 1};
+  if (kind == SweepKind::memory) return {0.125, 0.25, 0.5, 0.75, 1};
+  return {1, 2, 4, 8};
+}
+
+DrawnScene varied(const DrawnScene& drawn, SweepKind kind, double value) {
+  const auto copies = static_cast<std::uint32_t>(value);
+  switch (kind) {
+    case SweepKind::resolution:
+      return at_scale(drawn, value);
+    case SweepKind::coplanarity:
+      return in_one_place(drawn, copies);
+    case SweepKind::depth:
+      return behind_each_other(drawn, copies);
+    case SweepKind::memory:
+      break;
+  }
+  return drawn;
+}
+
+// All of the scene's, as a technique without a pool counts them.
+std::uint64_t count_fragments(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
+                              Session& session) {
+  RenderOptions exact = options.draw;
+  exact.technique = kExact;
+  exact.pool = 0;
+  return renderer.draw(drawn.camera, exact, session.progress()).stats.fragments;
+}
+
+}  // namespace
+
+TechniqueInfo technique_info(const std::string& name) {
+  std::string names = kCpu;
+  for (const TechniqueInfo& technique : render_techniques()) {
+    if (technique.name == name) return technique;
+    names += ", " + technique.name;
+  }
+  if (name == kCpu) return cpu_technique();
+  throw Error(ErrorKind::bad_argument,
+              fmt::format("--techniques: there is no '{}'; there are all, exact, {}", name, names));
+}
+
+DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
+  const Scene scene = make_scene(model);
+  return {model.path, make_render_scene(model, scene, picture.surfaces, picture.look),
+          look_at_sphere(scene.sphere, parse_camera(picture.camera_text), picture.width, picture.height)};
+}
+
+ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
+                                 const ComparisonOptions& options, Session& session) {
+  ComparedScene compared;
+  compared.input = drawn.input;
+  compared.width = drawn.camera.width;
+  compared.height = drawn.camera.height;
+  compared.triangles = drawn.scene.triangles.size();
+  compared.objects = drawn.scene.surfaces.size();
+  session.set_subject(drawn.input);
+  begin_stage(session.progress(), "drawing", options.techniques.size() * options.frames);
+  renderer.load(drawn.scene);
+  RenderResult exact = draw_exact(renderer, drawn, options, session, compared);
+  compared.exact = exact.stats;
+  compared.pixels_by_depth = pixels_by_depth(exact.fragments, exact.stats.deepest_pixel);
+  exact.fragments = {};
+  const Image exact_image = to_image(exact);
+  compared.picture = {fmt::format("exact, by {}", compared.reference), encode_png(exact_image)};
+
+  std::vector<Contender> all = contenders(renderer, drawn, options, session);
+  for (Contender& one : all) {
+    const RenderResult result = one.draw_first();
+    const std::string& name = options.techniques[compared.techniques.size()];
+    const TechniqueInfo info = technique_info(name);
+    ComparedTechnique& row = compared.techniques.emplace_back();
+    row.name = name;
+    row.title = info.title;
+    row.exact = info.exact;
+    if (!one.failure().empty()) continue;
+    row.error = picture_error(exact.pixels, result.pixels, exact.stats.covered_pixels);
+    row.pictures = pictures_of(name, exact_image, result, *row.error);
+  }
+  take_turns(all, options.frames);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    compared.techniques[i].stats = all[i].stats();
+    compared.techniques[i].failure = all[i].failure();
+  }
+  return compared;
+}
+
+ComparedSweep sweep(Renderer& renderer, const DrawnScene& drawn, SweepKind kind,
+                    const ComparisonOptions& options, Session& session) {
+  ComparedSweep result{kind, drawn.input, options.techniques, {}};
+  const std::vector<double> values = values_of(kind);
+  session.set_subject(compare_sweeps()[static_cast<std::size_t>(kind)].name);
+  begin_stage(session.progress(), "drawing", values.size() * options.techniques.size() * options.frames);
+  for (const double value : values) {
+    const DrawnScene scene = varied(drawn, kind, value);
+    ComparisonOptions at = options;
+    renderer.load(scene.scene);
+    SweepPoint point{value, scene.camera.width, scene.camera.height, 0, {}};
+    if (kind == SweepKind::memory) {
+      const double fragments = static_cast<double>(count_fragments(renderer, scene, options, session));
+      point.pool = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(value * fragments)));
+      at.draw.pool = point.pool;
+    }
+    std::vector<Contender> all = contenders(renderer, scene, at, session);
+    for (Contender& one : all) one.draw_first();
+    take_turns(all, options.frames);
+    for (const Contender& one : all)
+      point.runs.push_back(one.failure().empty() ? std::optional(one.stats()) : std::nullopt);
+    result.points.push_back(std::move(point));
+  }
+  return result;
+}
+
+}  // namespace pellucid::cli

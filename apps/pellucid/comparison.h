@@ -1,0 +1,38 @@
+// Capture techniques drawing the same scene by turns: what `compare` measures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture_picture.h"
+#include "pellucid/compare_report.h"
+#include "session.h"
+
+namespace pellucid::cli {
+
+// A scene as `compare` draws it, and what sweeps vary.
+struct DrawnScene {
+  std::string input;
+  RenderScene scene;
+  Camera camera;
+};
+DrawnScene open_scene(const Model& model, const CapturePicture& picture);
+
+struct ComparisonOptions {
+  std::vector<std::string> techniques;
+  bool cpu_reference = false;  // the exact picture is that of the CPU, not of `sb`
+  std::uint32_t frames = 6;    // the first of which is not timed, if there are several
+  RenderOptions draw;          // all but the technique
+};
+
+// Loads the scene. Techniques that cannot draw it get a row that says why. Throws Error{interrupted}.
+ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
+                                 const ComparisonOptions& options, Session& session);
+
+ComparedSweep sweep(Renderer& renderer, const DrawnScene& drawn, SweepKind kind,
+                    const ComparisonOptions& options, Session& session);
+
+// What the technique `name` is; of "cpu", too. Throws Error{bad_argument} where there is none.
+TechniqueInfo technique_info(const std::string& name);
+
+}  // namespace pellucid::cli

@@ -1,0 +1,111 @@
+// pellucid/compare_report.h - room `report`: capture techniques side by side, as a table, JSON and a page.
+//
+// In: what every technique captured of a scene, how long it took, and its picture; the same over a parameter
+// that is swept. Out: text. The keys of the JSON are a contract (docs/json.md,
+// docs/schema/compare.schema.json). Paper: Vasilakis, Fudos, "Depth-Fighting Aware Methods for
+// Multi-Fragment Rendering", TVCG 2014, section 4: Table 1, figures 7 to 9 and 11.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pellucid/metric.h"
+#include "pellucid/render.h"
+#include "pellucid/report.h"
+
+namespace pellucid {
+
+// ------------------------------------------------------------------------------------ pictures and errors
+
+// Of sRGB colours, 0..1, without rounding to 8 bits.
+struct PictureError {
+  double psnr = 100;            // dB over covered pixels; 100 at most
+  double largest = 0;           // difference of a channel
+  std::uint64_t differing = 0;  // pixels that differ by more than 1/255 in a channel
+};
+// Linear colours of two pictures of the same size. Pixels that nothing covers are background in both.
+PictureError picture_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
+                           std::uint64_t covered_pixels);
+
+// White where two pictures agree, from pale to dark red where they do not.
+Image difference_image(const Image& exact, const Image& drawn);
+
+// ------------------------------------------------------------------------------------------------- a scene
+
+struct ComparedTechnique {
+  std::string name, title;
+  bool exact = false;   // by what it promises
+  std::string failure;  // why there is nothing else; empty: it was drawn
+  CaptureStats stats;   // milliseconds: the median of the frames
+  std::optional<PictureError> error;
+  // What it drew, the difference from the exact picture, and what else there is to see. Empty where it
+  // differs nowhere by more than 1/255.
+  std::vector<ReportPicture> pictures;
+};
+
+struct ComparedScene {
+  std::string input, camera;
+  std::uint32_t width = 0, height = 0;
+  std::uint64_t triangles = 0, objects = 0;
+  std::string reference;  // what the exact picture was drawn by: "sb", "cpu"
+  CaptureStats exact;     // of that
+  ReportPicture picture;
+  std::vector<std::uint64_t> pixels_by_depth;  // [n]: pixels with n fragments
+  std::vector<ComparedTechnique> techniques;
+  std::vector<std::string> notes;
+
+  // The paper's C_p: share of covered pixels with fragments at one depth.
+  [[nodiscard]] double coplanar_share() const;
+  [[nodiscard]] double mean_depth() const;  // fragments of a covered pixel
+  // Of those that captured everything and promise to; null: none.
+  [[nodiscard]] const ComparedTechnique* fastest_exact() const;
+};
+
+// ------------------------------------------------------------------------------------------------- sweeps
+
+enum class SweepKind {
+  resolution,   // pixels of the picture (figure 7)
+  coplanarity,  // copies of the scene in one place (figure 8)
+  depth,        // copies behind each other (figure 9)
+  memory        // nodes of the pool, as a share of the fragments (figure 11)
+};
+struct NamedSweep {
+  SweepKind kind;
+  std::string name, parameter;
+};
+std::span<const NamedSweep> compare_sweeps();
+
+struct SweepPoint {
+  double value = 0;  // of the parameter
+  std::uint32_t width = 0, height = 0;
+  std::uint64_t pool = 0;                         // nodes; 0: as many as there are fragments
+  std::vector<std::optional<CaptureStats>> runs;  // of every technique; none: it failed
+};
+struct ComparedSweep {
+  SweepKind kind = SweepKind::resolution;
+  std::string input;
+  std::vector<std::string> techniques;
+  std::vector<SweepPoint> points;
+};
+
+// ------------------------------------------------------------------------------------------------ the report
+
+struct CompareReport {
+  DeviceInfo device;
+  std::string effect, surfaces;
+  std::uint32_t k = 8, frames = 1;
+  std::vector<ComparedScene> scenes;
+  std::vector<ComparedSweep> sweeps;
+  double seconds_total = 0;
+  std::uint64_t peak_rss_bytes = 0;
+};
+std::string to_text(const CompareReport& report);
+std::string to_json(const CompareReport& report);
+// One self-contained page. A short script shows the exact picture while another is held; all else works
+// without it.
+std::string compare_html(const CompareReport& report);
+
+}  // namespace pellucid

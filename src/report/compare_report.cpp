@@ -1,0 +1,236 @@
+// Capture techniques side by side as a table and JSON: see pellucid/compare_report.h.
+#include "pellucid/compare_report.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "json.h"
+
+namespace pellucid {
+namespace {
+
+double pixels_of(const ComparedScene& scene) {
+  return static_cast<double>(scene.width) * scene.height;
+}
+
+Json or_null(std::optional<double> value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+// Keys that a failed technique has, too, and nothing to say for.
+Json json_of_stats(const CaptureStats& stats, double pixels) {
+  return {{"milliseconds", stats.milliseconds},
+          {"passes", stats.geometry_passes},
+          {"fullscreen_passes", stats.fullscreen_passes},
+          {"rounds", stats.rounds},
+          {"bytes", stats.bytes},
+          {"bytes_per_pixel", static_cast<double>(stats.bytes) / pixels},
+          {"total", stats.fragments},
+          {"captured", stats.captured},
+          {"lost", stats.fragments - std::min(stats.fragments, stats.captured)},
+          {"overflowed", stats.overflowed},
+          {"r_h", stats.captured_share()},
+          {"coplanar", stats.coplanar},
+          {"coplanar_pixels", stats.coplanar_pixels}};
+}
+
+void append(Json& json, Json more, bool known) {
+  for (auto& [key, value] : more.items()) json[key] = known ? std::move(value) : Json(nullptr);
+}
+
+Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
+  const bool drawn = technique.failure.empty();
+  const ComparedTechnique* fastest = scene.fastest_exact();
+  std::optional<double> ratio;
+  if (drawn && fastest != nullptr && fastest->stats.milliseconds > 0)
+    ratio = technique.stats.milliseconds / fastest->stats.milliseconds;
+  Json json = {{"name", technique.name},
+               {"exact", technique.exact},
+               {"failure", drawn ? Json(nullptr) : Json(technique.failure)}};
+  append(json, json_of_stats(technique.stats, pixels_of(scene)), drawn);
+  json["ratio"] = or_null(ratio);
+  const auto error = [&](auto value) { return technique.error ? Json(value(*technique.error)) : Json(nullptr); };
+  json["psnr"] = error([](const PictureError& e) { return e.psnr; });
+  json["largest_error"] = error([](const PictureError& e) { return e.largest; });
+  json["differing_pixels"] = error([](const PictureError& e) { return e.differing; });
+  return json;
+}
+
+Json json_of(const ComparedScene& scene, const std::string& effect) {
+  Json techniques = Json::array();
+  for (const ComparedTechnique& technique : scene.techniques) {
+    techniques.push_back(json_of(technique, scene));
+    techniques.back()["effect"] = effect;
+  }
+  return {{"scene", scene.input},
+          {"size", fmt::format("{}x{}", scene.width, scene.height)},
+          {"width", scene.width},
+          {"height", scene.height},
+          {"camera", scene.camera},
+          {"triangles", scene.triangles},
+          {"objects", scene.objects},
+          {"reference", scene.reference},
+          {"fragments", scene.exact.fragments},
+          {"covered_pixels", scene.exact.covered_pixels},
+          {"deepest_pixel", scene.exact.deepest_pixel},
+          {"mean_depth", scene.mean_depth()},
+          {"coplanar", scene.exact.coplanar},
+          {"coplanar_pixels", scene.exact.coplanar_pixels},
+          {"c_p", scene.coplanar_share()},
+          {"pixels_by_depth", scene.pixels_by_depth},
+          {"techniques", std::move(techniques)},
+          {"notes", scene.notes}};
+}
+
+const NamedSweep& named(SweepKind kind) {
+  return compare_sweeps()[static_cast<std::size_t>(kind)];
+}
+
+Json json_of(const ComparedSweep& sweep) {
+  Json points = Json::array();
+  for (const SweepPoint& point : sweep.points) {
+    Json runs = Json::array();
+    for (std::size_t t = 0; t < sweep.techniques.size(); ++t) {
+      Json run = {{"name", sweep.techniques[t]}};
+      const std::optional<CaptureStats>& stats = point.runs[t];
+      append(run,
+             json_of_stats(stats.value_or(CaptureStats{}), static_cast<double>(point.width) * point.height),
+             stats.has_value());
+      runs.push_back(std::move(run));
+    }
+    points.push_back({{"value", point.value},
+                      {"width", point.width},
+                      {"height", point.height},
+                      {"pool", point.pool},
+                      {"techniques", std::move(runs)}});
+  }
+  return {{"name", named(sweep.kind).name},
+          {"parameter", named(sweep.kind).parameter},
+          {"scene", sweep.input},
+          {"points", std::move(points)}};
+}
+
+std::vector<std::string> cells_of(const ComparedTechnique& technique, const ComparedScene& scene) {
+  const char* promise = technique.exact ? "yes" : "no";
+  if (!technique.failure.empty()) return {technique.name, promise, "-"};
+  const CaptureStats& stats = technique.stats;
+  const ComparedTechnique* fastest = scene.fastest_exact();
+  const double ratio = fastest == nullptr ? NAN : stats.milliseconds / fastest->stats.milliseconds;
+  return {technique.name,
+          promise,
+          format_fixed(stats.milliseconds, 1),
+          format_fixed(ratio, 2),
+          std::to_string(stats.geometry_passes),
+          std::to_string(stats.rounds),
+          format_bytes(stats.bytes),
+          format_fixed(static_cast<double>(stats.bytes) / pixels_of(scene), 1),
+          format_count(stats.captured),
+          format_fixed(stats.captured_share(), 4),
+          format_count(stats.overflowed),
+          format_count(stats.coplanar),
+          technique.error ? format_fixed(technique.error->psnr, 1) : "-",
+          technique.error ? format_fixed(technique.error->largest, 4) : "-"};
+}
+
+std::string text_of(const ComparedScene& scene) {
+  std::string text = fmt::format(
+      "{}: {}x{}, {} triangles; {} fragments on {} pixels, at most {}; C_p {}\n", scene.input, scene.width,
+      scene.height, format_count(scene.triangles), format_count(scene.exact.fragments),
+      format_count(scene.exact.covered_pixels), scene.exact.deepest_pixel,
+      format_fixed(scene.coplanar_share(), 3));
+  TextTable table({"technique", "exact", "ms", "ratio", "passes", "rounds", "memory", "B/pixel", "captured",
+                   "R_h", "overflowed", "coplanar", "PSNR", "largest error"});
+  std::string failures;
+  for (const ComparedTechnique& technique : scene.techniques) {
+    table.add_row(cells_of(technique, scene));
+    if (!technique.failure.empty()) failures += fmt::format("{}: {}\n", technique.name, technique.failure);
+  }
+  text += table.to_string() + failures;
+  for (const std::string& note : scene.notes) text += fmt::format("note: {}\n", note);
+  return text;
+}
+
+// Milliseconds of every technique and point; the page has the other measures.
+std::string text_of(const ComparedSweep& sweep) {
+  std::vector<std::string> header{fmt::format("{}, ms", named(sweep.kind).name)};
+  for (const SweepPoint& point : sweep.points)
+    header.push_back(sweep.kind == SweepKind::resolution ? fmt::format("{}x{}", point.width, point.height)
+                                                         : fmt::format("{:g}", point.value));
+  if (sweep.kind == SweepKind::memory) header.front() = fmt::format("{}, R_h", named(sweep.kind).name);
+  TextTable table(header);
+  for (std::size_t t = 0; t < sweep.techniques.size(); ++t) {
+    std::vector<std::string> row{sweep.techniques[t]};
+    for (const SweepPoint& point : sweep.points) {
+      const std::optional<CaptureStats>& stats = point.runs[t];
+      row.push_back(!stats                              ? "-"
+                    : sweep.kind == SweepKind::memory ? format_fixed(stats->captured_share(), 4)
+                                                      : format_fixed(stats->milliseconds, 1));
+    }
+    table.add_row(row);
+  }
+  return fmt::format("{}: {}\n{}", sweep.input, named(sweep.kind).parameter, table.to_string());
+}
+
+}  // namespace
+
+double ComparedScene::coplanar_share() const {
+  if (exact.covered_pixels == 0) return 0;
+  return static_cast<double>(exact.coplanar_pixels) / static_cast<double>(exact.covered_pixels);
+}
+
+double ComparedScene::mean_depth() const {
+  if (exact.covered_pixels == 0) return 0;
+  return static_cast<double>(exact.fragments) / static_cast<double>(exact.covered_pixels);
+}
+
+const ComparedTechnique* ComparedScene::fastest_exact() const {
+  const ComparedTechnique* fastest = nullptr;
+  for (const ComparedTechnique& technique : techniques) {
+    const CaptureStats& stats = technique.stats;
+    if (!technique.exact || !technique.failure.empty() || stats.captured != stats.fragments) continue;
+    if (fastest == nullptr || stats.milliseconds < fastest->stats.milliseconds) fastest = &technique;
+  }
+  return fastest;
+}
+
+std::span<const NamedSweep> compare_sweeps() {
+  static const std::array<NamedSweep, 4> kSweeps{
+      {{SweepKind::resolution, "resolution", "pixels of the picture"},
+       {SweepKind::coplanarity, "coplanarity", "copies of the scene in one place"},
+       {SweepKind::depth, "depth", "copies of the scene behind each other"},
+       {SweepKind::memory, "memory", "nodes of the pool, as a share of the fragments"}}};
+  return kSweeps;
+}
+
+std::string to_text(const CompareReport& report) {
+  std::string text = fmt::format("{} on {} ({}), median of {} frames\n", report.effect, report.device.name,
+                                 report.device.driver, report.frames > 1 ? report.frames - 1 : 1);
+  if (report.device.cpu) text += "This driver runs on the CPU: compare ratios of times, not the times.\n";
+  for (const ComparedScene& scene : report.scenes) text += fmt::format("\n{}", text_of(scene));
+  for (const ComparedSweep& sweep : report.sweeps) text += fmt::format("\n{}", text_of(sweep));
+  return text;
+}
+
+std::string to_json(const CompareReport& report) {
+  Json scenes = Json::array();
+  for (const ComparedScene& scene : report.scenes) scenes.push_back(json_of(scene, report.effect));
+  Json sweeps = Json::array();
+  for (const ComparedSweep& sweep : report.sweeps) sweeps.push_back(json_of(sweep));
+  Json json = {{"schema", kJsonSchema},       {"version", library_version()},
+               {"device", report.device.name}, {"driver", report.device.driver},
+               {"cpu_driver", report.device.cpu}, {"effect", report.effect},
+               {"surfaces", report.surfaces}, {"k", report.k},
+               {"frames", report.frames}};
+  // Who compares one scene finds it at the top.
+  if (!report.scenes.empty()) {
+    for (const char* key : {"scene", "size", "width", "height", "techniques"}) json[key] = scenes[0][key];
+  }
+  json["scenes"] = std::move(scenes);
+  json["sweeps"] = std::move(sweeps);
+  json["seconds"] = {{"total", report.seconds_total}};
+  json["peak_rss_bytes"] = report.peak_rss_bytes;
+  return dump(json);
+}
+
+}  // namespace pellucid

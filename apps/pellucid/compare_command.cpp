@@ -64,8 +64,7 @@ std::vector<SweepKind> sweep_kinds(const std::string& list) {
       kinds.push_back(sweep.kind);
       found = true;
     }
-    if (!found)
-      throw Error(ErrorKind::bad_argument, "--sweep: '" + name + "' is none of none, all" + known);
+    if (!found) throw Error(ErrorKind::bad_argument, "--sweep: '" + name + "' is none of none, all" + known);
   }
   return kinds;
 }
@@ -144,13 +143,13 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<CompareCommand>();
   constexpr std::uint32_t kFrames = 6;
   options->capture.frames = kFrames;
-  CLI::App* command = add_command(
-      app, chosen, "compare", "Capture techniques on the same scenes, side by side",
-      "  pellucid compare bottles.glb -o report.html --json report.json\n"
-      "  pellucid compare a.glb b.obj --techniques exact --size 1280x720 --surfaces file\n"
-      "  pellucid compare stack.glb --techniques sb,f2b,f2b-2p --reference cpu\n"
-      "  pellucid compare --sweep all --techniques sb,ll,f2b-2p,f2b-fab -o sweeps.html",
-      1, [options](Session& session) { run_compare(*options, session); });
+  CLI::App* command =
+      add_command(app, chosen, "compare", "Capture techniques on the same scenes, side by side",
+                  "  pellucid compare bottles.glb -o report.html --json report.json\n"
+                  "  pellucid compare a.glb b.obj --techniques exact --size 1280x720 --surfaces file\n"
+                  "  pellucid compare stack.glb --techniques sb,f2b,f2b-2p --reference cpu\n"
+                  "  pellucid compare --sweep all --techniques sb,ll,f2b-2p,f2b-fab -o sweeps.html",
+                  1, [options](Session& session) { run_compare(*options, session); });
   CompareCommand& o = *options;
   command->add_option("MODEL", o.inputs, "glTF, GLB, PLY, OBJ, STL or OFF")->type_name("");
   command->add_option("-o,--output", o.page, "The page to write: tables, pictures, differences, plots")

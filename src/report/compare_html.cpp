@@ -48,7 +48,8 @@ std::string title_of(const CompareReport& report) {
 
 std::string headline(const CompareReport& report) {
   std::string text = fmt::format(
-      "<h1>{}: capture techniques</h1><p class=\"soft\">Every technique gathers the fragments of each pixel and "
+      "<h1>{}: capture techniques</h1><p class=\"soft\">Every technique gathers the fragments of each pixel "
+      "and "
       "hands them in depth order to the same effect, {}. Drawn on {} ({}); times are medians of {}, all "
       "techniques taking turns.</p>",
       escape_html(title_of(report)), escape_html(report.effect), escape_html(report.device.name),
@@ -80,9 +81,9 @@ std::string tiles(const ComparedScene& scene) {
 
 std::string row_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   const ComparedTechnique* fastest = scene.fastest_exact();
-  std::string text = fmt::format("<tr{}><td title=\"{}\">{}</td><td>{}</td>",
-                                 &technique == fastest ? " class=\"ours\"" : "", escape_html(technique.title),
-                                 escape_html(technique.name), technique.exact ? "yes" : "no");
+  std::string text =
+      fmt::format("<tr{}><td title=\"{}\">{}</td><td>{}</td>", &technique == fastest ? " class=\"ours\"" : "",
+                  escape_html(technique.title), escape_html(technique.name), technique.exact ? "yes" : "no");
   if (!technique.failure.empty())
     return text + "<td colspan=\"12\">" + escape_html(technique.failure) + "</td></tr>\n";
   const CaptureStats& stats = technique.stats;
@@ -144,20 +145,22 @@ std::string viewer(const ComparedScene& scene, std::size_t number) {
     }
     std::string figures;
     for (const ReportPicture& picture : technique.pictures)
-      figures += &picture == technique.pictures.data() ? held_figure(picture)
-                                                       : figure(picture.caption, picture.png);
+      figures +=
+          &picture == technique.pictures.data() ? held_figure(picture) : figure(picture.caption, picture.png);
     choices += choice(id, ++count, technique.name, figures);
   }
   std::string text = "<h3>Pictures</h3>";
   if (count > 0) {
     text +=
-        "<p class=\"note\">Choose a technique, also with the arrow keys. Hold its picture to see the exact one "
+        "<p class=\"note\">Choose a technique, also with the arrow keys. Hold its picture to see the exact "
+        "one "
         "in its place. Beside it the difference: white for none, dark red for 64 steps of 255 or more.</p>";
   }
   text += "<div class=\"flip\">\n" + choices + "</div>";
   if (!same.empty()) {
-    text += "<p class=\"note\">No pixel differs by more than 1/255 from the exact picture: " +
-            escape_html(same) + ".</p>";
+    text +=
+        "<p class=\"note\">No pixel differs by more than 1/255 from the exact picture: " + escape_html(same) +
+        ".</p>";
   }
   return text;
 }
@@ -166,11 +169,11 @@ std::string scene_section(const ComparedScene& scene, std::size_t number) {
   std::string text = fmt::format("<h2>{}</h2>", escape_html(name_of(scene.input)));
   text += tiles(scene) + table(scene);
   for (const std::string& note : scene.notes) text += "<p class=\"note\">" + escape_html(note) + "</p>";
-  text += "<div class=\"row\">" + viewer(scene, number) + "</div>";
   if (!scene.pixels_by_depth.empty()) {
-    text += "<div class=\"pair\"><div><h3>How many pixels have how many fragments</h3>" +
-            depth_histogram_svg(scene.pixels_by_depth) + "</div></div>";
+    text += "<div class=\"row half\"><h3>How many pixels have how many fragments</h3>" +
+            depth_histogram_svg(scene.pixels_by_depth) + "</div>";
   }
+  text += "<div class=\"row\">" + viewer(scene, number) + "</div>";
   return text + "\n";
 }
 
@@ -183,11 +186,9 @@ struct Measure {
   bool is_share = false;
 };
 
-const Measure kTime{"Milliseconds",
-                    [](const CaptureStats& stats) { return stats.milliseconds; },
+const Measure kTime{"Milliseconds", [](const CaptureStats& stats) { return stats.milliseconds; },
                     [](double v) { return fmt::format("{:g} ms", v); }};
-const Measure kMemory{"Memory",
-                      [](const CaptureStats& stats) { return static_cast<double>(stats.bytes); },
+const Measure kMemory{"Memory", [](const CaptureStats& stats) { return static_cast<double>(stats.bytes); },
                       [](double v) { return format_bytes(static_cast<std::uint64_t>(v)); }};
 const Measure kCaptured{"R_h, captured fragments of all",
                         [](const CaptureStats& stats) { return stats.captured_share(); },
@@ -263,8 +264,8 @@ std::string settings_section(const CompareReport& report) {
   };
   for (const ComparedScene& scene : report.scenes) {
     add("scene", fmt::format("{}: {}, {}, {}x{}, camera {}; exact picture by {}", scene.input,
-                             plural(scene.triangles, "triangle"), plural(scene.objects, "object"), scene.width,
-                             scene.height, scene.camera, scene.reference));
+                             plural(scene.triangles, "triangle"), plural(scene.objects, "object"),
+                             scene.width, scene.height, scene.camera, scene.reference));
   }
   add("drawn", fmt::format("{}, surfaces {}, k = {}", report.effect, report.surfaces, report.k));
   add("device", fmt::format("{} ({})", report.device.name, report.device.driver));

@@ -50,7 +50,9 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
                {"failure", drawn ? Json(nullptr) : Json(technique.failure)}};
   append(json, json_of_stats(technique.stats, pixels_of(scene)), drawn);
   json["ratio"] = or_null(ratio);
-  const auto error = [&](auto value) { return technique.error ? Json(value(*technique.error)) : Json(nullptr); };
+  const auto error = [&](auto value) {
+    return technique.error ? Json(value(*technique.error)) : Json(nullptr);
+  };
   json["psnr"] = error([](const PictureError& e) { return e.psnr; });
   json["largest_error"] = error([](const PictureError& e) { return e.largest; });
   json["differing_pixels"] = error([](const PictureError& e) { return e.differing; });
@@ -134,11 +136,11 @@ std::vector<std::string> cells_of(const ComparedTechnique& technique, const Comp
 }
 
 std::string text_of(const ComparedScene& scene) {
-  std::string text = fmt::format(
-      "{}: {}x{}, {} triangles; {} fragments on {} pixels, at most {}; C_p {}\n", scene.input, scene.width,
-      scene.height, format_count(scene.triangles), format_count(scene.exact.fragments),
-      format_count(scene.exact.covered_pixels), scene.exact.deepest_pixel,
-      format_fixed(scene.coplanar_share(), 3));
+  std::string text =
+      fmt::format("{}: {}x{}, {} triangles; {} fragments on {} pixels, at most {}; C_p {}\n", scene.input,
+                  scene.width, scene.height, format_count(scene.triangles),
+                  format_count(scene.exact.fragments), format_count(scene.exact.covered_pixels),
+                  scene.exact.deepest_pixel, format_fixed(scene.coplanar_share(), 3));
   TextTable table({"technique", "exact", "ms", "ratio", "passes", "rounds", "memory", "B/pixel", "captured",
                    "R_h", "overflowed", "coplanar", "PSNR", "largest error"});
   std::string failures;
@@ -163,7 +165,7 @@ std::string text_of(const ComparedSweep& sweep) {
     std::vector<std::string> row{sweep.techniques[t]};
     for (const SweepPoint& point : sweep.points) {
       const std::optional<CaptureStats>& stats = point.runs[t];
-      row.push_back(!stats                              ? "-"
+      row.push_back(!stats                            ? "-"
                     : sweep.kind == SweepKind::memory ? format_fixed(stats->captured_share(), 4)
                                                       : format_fixed(stats->milliseconds, 1));
     }
@@ -217,10 +219,10 @@ std::string to_json(const CompareReport& report) {
   for (const ComparedScene& scene : report.scenes) scenes.push_back(json_of(scene, report.effect));
   Json sweeps = Json::array();
   for (const ComparedSweep& sweep : report.sweeps) sweeps.push_back(json_of(sweep));
-  Json json = {{"schema", kJsonSchema},       {"version", library_version()},
-               {"device", report.device.name}, {"driver", report.device.driver},
+  Json json = {{"schema", kJsonSchema},           {"version", library_version()},
+               {"device", report.device.name},    {"driver", report.device.driver},
                {"cpu_driver", report.device.cpu}, {"effect", report.effect},
-               {"surfaces", report.surfaces}, {"k", report.k},
+               {"surfaces", report.surfaces},     {"k", report.k},
                {"frames", report.frames}};
   // Who compares one scene finds it at the top.
   if (!report.scenes.empty()) {

@@ -135,10 +135,10 @@ class Plot {
     std::string svg;
     for (std::size_t i = 0; i < named.size(); ++i) {
       const Curve& curve = chart_.curves[named[i]];
-      svg += group_svg(named[i], false, curve.name,
-                       line_of(curve) + line_svg(kRight + 4, ends[i], kRight + 18, heights[i], "leader") +
-                           text_svg(kRight + 22, heights[i] + 4, "start", "small",
-                                    abbreviated(curve.name, kNameLength)));
+      svg += group_svg(
+          named[i], false, curve.name,
+          line_of(curve) + line_svg(kRight + 4, ends[i], kRight + 18, heights[i], "leader") +
+              text_svg(kRight + 22, heights[i] + 4, "start", "small", abbreviated(curve.name, kNameLength)));
     }
     return svg;
   }

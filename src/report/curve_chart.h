@@ -1,5 +1,5 @@
-// Curves over a parameter, as the paper's figures 7 to 9 and 11 have them: logarithmic axes, a name beside the
-// end of every curve.
+// Curves over a parameter, as the paper's figures 7 to 9 and 11 have them: logarithmic axes, a name beside
+// the end of every curve.
 #pragma once
 
 #include <functional>

@@ -56,14 +56,16 @@ svg text{font-size:11px;fill:var(--soft)}
 .flip>label{font-size:14px;padding:3px 11px;border:1px solid var(--line);border-radius:7px;cursor:pointer}
 .flip>input:checked+label{background:var(--accent);border-color:var(--accent);color:var(--ground)}
 .flip>input:focus-visible+label{outline:2px solid var(--ink);outline-offset:1px}
-.flip>.views{order:1;flex-basis:100%;display:none;gap:12px;grid-template-columns:repeat(auto-fit,minmax(min(420px,100%),1fr))}
+.flip>.views{order:1;flex-basis:100%;display:none;gap:12px;grid-template-columns:1fr 1fr}
 .flip>input:checked+label+.views{display:grid}
+.scroll+.note{margin-top:12px}
+.half{max-width:560px}
 .scroll>svg{display:block;width:100%;min-width:680px;height:auto}
 .sheet{display:grid;gap:12px 10px;overflow-x:auto;margin-top:16px}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 20px;font-size:14.5px;margin:14px 0 0}
 dt{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}
 code{font:13px/1.5 ui-monospace,"SF Mono",Menlo,"DejaVu Sans Mono",monospace;background:var(--tile);border-radius:6px;padding:2px 6px}
-@media(max-width:720px){main{padding:26px 16px 48px}.pictures{grid-template-columns:repeat(2,minmax(0,1fr))}h2{margin-top:40px}}
+@media(max-width:720px){main{padding:26px 16px 48px}.pictures{grid-template-columns:repeat(2,minmax(0,1fr))}.flip>.views{grid-template-columns:1fr}h2{margin-top:40px}}
 )css";
 
 std::string base64(std::span<const std::uint8_t> bytes) {

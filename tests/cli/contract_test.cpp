@@ -8,8 +8,8 @@
 namespace pellucid::testing {
 namespace {
 
-const std::vector<std::string> kCommands{"order",  "overdraw", "measure",   "inspect",
-                                         "render", "sample",   "techniques"};
+const std::vector<std::string> kCommands{"order",  "overdraw", "measure", "inspect",
+                                         "render", "compare",  "sample",  "techniques"};
 
 // Set PELLUCID_UPDATE_GOLDEN to write the files anew; look at the difference before committing it.
 void expect_golden(const std::string& name, const std::string& text) {

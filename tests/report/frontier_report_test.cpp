@@ -5,16 +5,17 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pellucid/report.h"
 #include "report/markup.h"
+#include "report/schema.h"
 
 namespace pellucid {
 namespace {
 
 using nlohmann::json;
+using testing::first_violation;
 
 FrontierReport sample_report(const std::string& name = "knot") {
   FrontierReport report;
@@ -42,48 +43,6 @@ FrontierReport sample_report(const std::string& name = "knot") {
   primitive.frontier.knee = 2;
   report.primitives.push_back(primitive);
   return report;
-}
-
-bool is_of_type(const json& value, const std::string& type) {
-  if (type == "integer") return value.is_number_integer();
-  if (type == "number") return value.is_number();
-  if (type == "string") return value.is_string();
-  if (type == "boolean") return value.is_boolean();
-  if (type == "null") return value.is_null();
-  return type == "array" ? value.is_array() : value.is_object();
-}
-
-// The first violation of a JSON schema, for the keywords that the schema uses; "" if there is none.
-std::string first_violation(const json& value, const json& schema, const std::string& at = "$") {
-  if (schema.contains("type")) {
-    const json types = schema["type"].is_array() ? schema["type"] : json::array({schema["type"]});
-    const bool fits =
-        std::any_of(types.begin(), types.end(), [&](const json& type) { return is_of_type(value, type); });
-    if (!fits) return at + ": wrong type";
-  }
-  if (schema.contains("const") && value != schema["const"]) return at + ": not the constant";
-  if (value.is_number()) {
-    if (value.get<double>() < schema.value("minimum", -std::numeric_limits<double>::infinity()))
-      return at + ": too small";
-    if (value.get<double>() > schema.value("maximum", std::numeric_limits<double>::infinity()))
-      return at + ": too large";
-  }
-  for (const json& key : schema.value("required", json::array())) {
-    if (!value.contains(key.get<std::string>())) return at + ": no " + key.get<std::string>();
-  }
-  const json properties = schema.value("properties", json::object());
-  for (const auto& [key, below] : properties.items()) {
-    if (!value.contains(key)) continue;
-    const std::string wrong = first_violation(value[key], below, at + "." + key);
-    if (!wrong.empty()) return wrong;
-  }
-  if (schema.contains("items")) {
-    for (const json& item : value) {
-      const std::string wrong = first_violation(item, schema["items"], at + "[]");
-      if (!wrong.empty()) return wrong;
-    }
-  }
-  return "";
 }
 
 json schema_of_frontier() {

@@ -1,0 +1,226 @@
+// Capture techniques side by side as text, JSON after its schema, and a page.
+#include "pellucid/compare_report.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "curve_chart.h"
+#include "html_charts.h"
+#include "report/markup.h"
+#include "report/schema.h"
+
+namespace pellucid {
+namespace {
+
+using nlohmann::json;
+using testing::first_nesting_error;
+using testing::first_violation;
+
+CaptureStats stats_of(std::uint64_t captured, double milliseconds) {
+  CaptureStats stats;
+  stats.fragments = 1000;
+  stats.captured = captured;
+  stats.coplanar_pixels = 50;
+  stats.covered_pixels = 200;
+  stats.deepest_pixel = 3;
+  stats.geometry_passes = 2;
+  stats.bytes = 12'300;
+  stats.milliseconds = milliseconds;
+  return stats;
+}
+
+ComparedTechnique technique(const std::string& name, bool exact, std::uint64_t captured, double milliseconds) {
+  return {name, "how " + name + " works", exact, "", stats_of(captured, milliseconds), PictureError{}, {}};
+}
+
+CompareReport sample_report(const std::string& name = "stack") {
+  CompareReport report;
+  report.device.name = name + " GPU";
+  report.device.driver = "driver";
+  report.effect = "transparency";
+  report.surfaces = "uniform";
+  report.frames = 6;
+  ComparedScene& scene = report.scenes.emplace_back();
+  scene.input = "dir/" + name + ".glb";
+  scene.camera = "30,20,3";
+  scene.width = 40;
+  scene.height = 20;
+  scene.triangles = 12;
+  scene.objects = 1;
+  scene.reference = "sb";
+  scene.exact = stats_of(1000, 5);
+  scene.picture = {"exact, by sb", {1, 2, 3}};
+  scene.pixels_by_depth = {600, 100, 60, 40};
+  scene.techniques = {technique("f2b", false, 700, 1), technique("f2b-2p", true, 1000, 8),
+                      technique("ll", true, 1000, 4), technique("sb", true, 900, 2)};
+  scene.techniques[0].error = PictureError{23.5, 0.25, 31};
+  scene.techniques[0].pictures = {{name, {4, 5}}, {"difference", {6, 7}}};
+  ComparedTechnique& failed = scene.techniques.emplace_back();
+  failed.name = "kb";
+  failed.failure = name + " needs 64-bit atomics";
+  ComparedSweep& sweep = report.sweeps.emplace_back();
+  sweep.input = name;
+  sweep.techniques = {"sb", "kb"};
+  for (const std::uint32_t side : {10U, 20U, 40U})
+    sweep.points.push_back({side / 40.0, side, side, 0, {stats_of(1000, side), std::nullopt}});
+  return report;
+}
+
+std::size_t count_of(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += what.size()) ++count;
+  return count;
+}
+
+// ------------------------------------------------------------------------------------------------ pictures
+
+TEST(PictureErrors, AreThoseOfSrgbOverCoveredPixels) {
+  const std::vector<Vec3f> exact{{1, 1, 1}, {0, 0, 0}, {0.5F, 0.5F, 0.5F}};
+  EXPECT_EQ(picture_error(exact, exact, 2).psnr, 100);
+  EXPECT_EQ(picture_error(exact, exact, 2).differing, 0U);
+  std::vector<Vec3f> drawn = exact;
+  drawn[1] = {1, 0, 0};
+  const PictureError error = picture_error(exact, drawn, 2);
+  // One channel of two pixels is wrong by 1: a mean squared error of 1/6.
+  EXPECT_NEAR(error.psnr, 7.7815, 1e-3);
+  EXPECT_NEAR(error.largest, 1, 1e-9);
+  EXPECT_EQ(error.differing, 1U);
+}
+
+TEST(PictureErrors, ShowWhereAndHowMuch) {
+  const Image exact{3, 1, {10, 10, 10, 10, 10, 10, 10, 10, 10}};
+  const Image drawn{3, 1, {10, 10, 10, 10, 12, 10, 10, 10, 210}};
+  const Image image = difference_image(exact, drawn);
+  ASSERT_EQ(image.rgb.size(), 9U);
+  EXPECT_EQ(image.rgb[0], 255);
+  EXPECT_EQ(image.rgb[2], 255);
+  EXPECT_LT(image.rgb[5], 255);
+  EXPECT_LT(image.rgb[8], image.rgb[5]);
+  EXPECT_EQ(image.rgb[6], 140);
+}
+
+// ----------------------------------------------------------------------------------------------------- text
+
+TEST(CompareReport, RatiosAreToTheFastestThatCapturesAll) {
+  const CompareReport report = sample_report();
+  // `sb` is faster, but lost some; `f2b` does not promise all.
+  ASSERT_NE(report.scenes[0].fastest_exact(), nullptr);
+  EXPECT_EQ(report.scenes[0].fastest_exact()->name, "ll");
+  const json written = json::parse(to_json(report));
+  EXPECT_EQ(written["scenes"][0]["techniques"][1]["ratio"], 2);
+  EXPECT_EQ(written["scenes"][0]["techniques"][2]["ratio"], 1);
+  EXPECT_EQ(written["scenes"][0]["techniques"][3]["lost"], 100);
+  EXPECT_EQ(written["scenes"][0]["c_p"], 0.25);
+  EXPECT_EQ(written["scenes"][0]["mean_depth"], 5);
+}
+
+TEST(CompareReport, TheTableHasARowForEverybody) {
+  const std::string text = to_text(sample_report());
+  EXPECT_NE(text.find("f2b           no  1.0   0.25       2       0  12.3 KB     15.4       700  0.7000"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("kb: stack needs 64-bit atomics"), std::string::npos) << text;
+  EXPECT_NE(text.find("resolution, ms  10x10  20x20  40x40"), std::string::npos) << text;
+  EXPECT_EQ(text.find("runs on the CPU"), std::string::npos);
+  CompareReport report = sample_report();
+  report.device.cpu = true;
+  EXPECT_NE(to_text(report).find("runs on the CPU"), std::string::npos);
+}
+
+// ----------------------------------------------------------------------------------------------------- JSON
+
+json schema_of_compare() {
+  std::ifstream file(PELLUCID_SCHEMA "/compare.schema.json");
+  return json::parse(file);
+}
+
+TEST(CompareReport, JsonFollowsItsSchema) {
+  const json schema = schema_of_compare();
+  json written = json::parse(to_json(sample_report()));
+  EXPECT_EQ(first_violation(written, schema), "");
+  EXPECT_EQ(written["techniques"], written["scenes"][0]["techniques"]);
+  const json& failed = written["scenes"][0]["techniques"][4];
+  EXPECT_EQ(failed["failure"], "stack needs 64-bit atomics");
+  EXPECT_TRUE(failed["milliseconds"].is_null());
+  EXPECT_TRUE(failed["psnr"].is_null());
+  EXPECT_TRUE(written["sweeps"][0]["points"][1]["techniques"][1]["bytes"].is_null());
+
+  // Every key that is written is in the schema.
+  const json& scene = schema["properties"]["scenes"]["items"]["properties"];
+  for (const auto& [key, value] : written.items()) EXPECT_TRUE(schema["properties"].contains(key)) << key;
+  for (const auto& [key, value] : written["scenes"][0].items()) EXPECT_TRUE(scene.contains(key)) << key;
+  for (const auto& [key, value] : failed.items())
+    EXPECT_TRUE(scene["techniques"]["items"]["properties"].contains(key)) << key;
+
+  written["scenes"][0]["techniques"][0]["r_h"] = 1.5;
+  EXPECT_NE(first_violation(written, schema), "");
+  EXPECT_EQ(first_violation(json::parse(to_json(CompareReport{})), schema), "");
+}
+
+// ----------------------------------------------------------------------------------------------------- page
+
+TEST(ComparePage, IsWellFormedWithHostileNames) {
+  const std::string page = compare_html(sample_report("</td><img src=x>\"&'"));
+  EXPECT_EQ(first_nesting_error(page, "<html"), "");
+  EXPECT_EQ(page.find("<img src=x>"), std::string::npos);
+  EXPECT_EQ(first_nesting_error(compare_html(CompareReport{}), "<html"), "");
+}
+
+TEST(ComparePage, FetchesNothing) {
+  const std::string page = compare_html(sample_report());
+  for (const char* text : {"http", "url(", "@import", "<link", "href", "script src"})
+    EXPECT_EQ(page.find(text), std::string::npos) << text;
+  EXPECT_EQ(count_of(page, "src=\""), count_of(page, "src=\"data:image/png;base64,"));
+  EXPECT_EQ(count_of(page, "src=\""), 3U);
+}
+
+TEST(ComparePage, WarnsOfDriversOnTheCpu) {
+  CompareReport report = sample_report();
+  EXPECT_EQ(compare_html(report).find("runs on the CPU"), std::string::npos);
+  report.device.cpu = true;
+  EXPECT_NE(compare_html(report).find("runs on the CPU"), std::string::npos);
+}
+
+TEST(ComparePage, ChoosesAmongThePicturesThatDiffer) {
+  const std::string page = compare_html(sample_report());
+  EXPECT_EQ(count_of(page, "type=\"radio\""), 2U);
+  EXPECT_EQ(count_of(page, "checked=\"checked\""), 1U);
+  EXPECT_NE(page.find("exact picture: f2b-2p, ll, sb."), std::string::npos);
+  EXPECT_NE(page.find("<td colspan=\"12\">stack needs 64-bit atomics</td>"), std::string::npos);
+}
+
+// ---------------------------------------------------------------------------------------------------- plots
+
+TEST(CurveCharts, RunLogarithmicallyAndBreakWhereNothingWasMeasured) {
+  CurveChart chart;
+  chart.title = "time";
+  chart.x_values = {1, 2, 4};
+  chart.x_text = chart.y_text = [](double v) { return std::to_string(static_cast<int>(v)); };
+  chart.curves = {{"a", {{1, 1}, {2, 10}, {4, 100}}}, {"b", {{1, 1}, {2, NAN}, {4, 100}}}, {"c", {}}};
+  const std::string svg = curve_chart_svg(chart);
+  EXPECT_EQ(first_nesting_error(svg, "<svg"), "");
+  // Equal factors are equal steps along both axes.
+  EXPECT_NE(svg.find("<polyline points=\"84.0,288.0 442.0,168.0 800.0,48.0\"/>"), std::string::npos) << svg;
+  EXPECT_EQ(count_of(svg, "<polyline"), 3U);
+  EXPECT_EQ(count_of(svg, "<circle"), 5U);
+}
+
+TEST(CurveCharts, SharesRunFromNothingToAll) {
+  CurveChart chart;
+  chart.x_values = {1, 2};
+  chart.x_text = chart.y_text = [](double) { return ""; };
+  chart.is_share = true;
+  chart.curves = {{"a", {{1, 0}, {2, 0.5}}}};
+  EXPECT_NE(curve_chart_svg(chart).find("<polyline points=\"84.0,288.0 800.0,168.0\"/>"), std::string::npos);
+}
+
+TEST(DepthHistogram, HasABarForEveryDepthAsLongAsTheyFit) {
+  EXPECT_EQ(count_of(depth_histogram_svg(std::vector<std::uint64_t>{9, 1, 2, 3}), "<rect"), 3U);
+  EXPECT_EQ(count_of(depth_histogram_svg(std::vector<std::uint64_t>(1001, 1)), "<rect"), 100U);
+  EXPECT_EQ(count_of(depth_histogram_svg({}), "<rect"), 0U);
+}
+
+}  // namespace
+}  // namespace pellucid

@@ -44,6 +44,7 @@ struct Primitive {
   AlphaMode alpha_mode = AlphaMode::blend;  // other formats: blend
   std::array<float, 4> base_color{1, 1, 1, 1};
   std::string material_name;
+  bool has_material = false;  // the file says how it looks: any glTF, OBJ with a material that was found
   // The mesh was split since it was read (pellucid/split.h): its last vertices are these, and its triangles
   // are the pieces. write_model interpolates the attributes that only the document knows.
   std::optional<std::vector<SplitVertex>> new_vertices;

@@ -53,6 +53,9 @@ class FragmentShader {
   // Replace `shaded` by a pixel's fragments, in their order.
   void shade(std::uint64_t pixel, std::span<const Fragment> fragments,
              std::vector<ShadedFragment>& shaded) const;
+  // The same, lit, with looks that differ from place to place: one for each fragment.
+  void shade(std::uint64_t pixel, std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
+             std::vector<ShadedFragment>& shaded) const;
   // Colours put "over" each other and the background, the first one in front; sRGB, 0..1.
   [[nodiscard]] Vec3d blend(std::span<const ShadedFragment> front_to_back) const;
   // sRGB colour of a pixel without fragments.
@@ -63,7 +66,8 @@ class FragmentShader {
     Vec3d origin, direction;
   };
   [[nodiscard]] Ray ray_through(std::uint64_t pixel) const;
-  [[nodiscard]] ShadedFragment shade_lit(const Ray& ray, NodeId node) const;
+  [[nodiscard]] ShadedFragment shade_lit(const Ray& ray, NodeId node, const Vec3f& color,
+                                         double log2_transmittance) const;
   [[nodiscard]] ShadedFragment shade_depth(const Fragment& fragment) const;
   // Interpolated where the ray meets the triangle, unit length, on the side that the node shows.
   [[nodiscard]] Vec3d normal_at(const Ray& ray, NodeId node) const;

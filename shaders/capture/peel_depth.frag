@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
-#include "../interface/opaque.glsl"
+#include "../interface/fragment_input.glsl"
 #include "peeled.glsl"
 // Front to back, first pass: the depth test finds the next layer. With RESUMES it stays at the last one where
 // that has fragments left (B: see layers.glsl).
@@ -10,9 +10,9 @@ layout(std430, set = 0, binding = SLOT_B) readonly buffer Windows { uvec2 window
 #endif
 void main() {
 #if defined(RESUMES)
-  const bool resumed = windows[pixel_index(uvec2(gl_FragCoord.xy))].x != 0u;
+  const bool resumed = windows[fragment_pixel()].x != 0u;
 #else
   const bool resumed = false;
 #endif
-  if (is_peeled(resumed) || is_behind_opaque(ivec2(gl_FragCoord.xy), gl_FragCoord.z)) discard;
+  if (is_peeled(resumed)) discard;
 }

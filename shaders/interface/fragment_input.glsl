@@ -2,15 +2,25 @@
 #ifndef FRAGMENT_INPUT_GLSL
 #define FRAGMENT_INPUT_GLSL
 #include "opaque.glsl"
+#include "texture.glsl"
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
+layout(location = 2) in vec2 texcoord;
+layout(location = 3) in vec4 vertex_color;
 
 struct TriangleInfo {
   uint object;
   uint id;  // of the triangle in the scene as it was given
 };
+struct Surface {
+  vec4 color;
+  uint texture_number;  // kNone: it has none
+  float cutoff;
+  uint is_opaque;
+  uint unused;
+};
 layout(std430, set = 0, binding = SLOT_TRIANGLES) readonly buffer Triangles { TriangleInfo triangles[]; };
-layout(std430, set = 0, binding = SLOT_SURFACES) readonly buffer Surfaces { vec4 surfaces[]; };
+layout(std430, set = 0, binding = SLOT_SURFACES) readonly buffer Surfaces { Surface surfaces[]; };
 layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
 layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
 
@@ -53,17 +63,36 @@ float to_the_48th(float x) {
 
 // Here, not where it is needed: in a branch that not all pixels of a quad take, derivatives are undefined.
 vec3 lit_face = cross(dFdx(world_position), dFdy(world_position));
+vec2 texcoord_dx = dFdx(texcoord);
+vec2 texcoord_dy = dFdy(texcoord);
+
+Surface surface_here() { return surfaces[triangles[fragment_triangle()].object]; }
+
+// Colour and opacity, not lit.
+vec4 base_color(Surface surface) {
+  vec4 color = surface.color;
+  if (!has_feature(kColored)) return color;
+  color *= vertex_color;
+  if (surface.texture_number != kNone)
+    color *= sample_texture(surface.texture_number, texcoord, texcoord_dx, texcoord_dy);
+  return color;
+}
 
 // Before all else, in every pass alike: what nobody can see is no fragment. After the derivatives, which need
 // the whole quad.
 bool discard_unseen() {
   if (is_behind_opaque(ivec2(gl_FragCoord.xy), gl_FragCoord.z)) discard;
+  if (has_feature(kCutOut)) {
+    const Surface surface = surface_here();
+    if (surface.cutoff > 0.0 && base_color(surface).a < surface.cutoff) discard;
+  }
   return true;
 }
 bool is_seen = discard_unseen();
 
 vec4 lit_color() {
-  const vec4 surface = surfaces[triangles[fragment_triangle()].object];
+  const Surface surface = surface_here();
+  const vec4 base = base_color(surface);
   const vec3 to_eye = frame.eye.w != 0.0 ? normalize(frame.eye.xyz - world_position) : frame.to_viewer.xyz;
   const vec3 face = dot(lit_face, to_eye) < 0.0 ? -lit_face : lit_face;
   vec3 normal = dot(world_normal, world_normal) > 0.0 ? world_normal : face;
@@ -72,8 +101,9 @@ vec4 lit_color() {
   const float fill = max(dot(normal, frame.fill_light.xyz), 0.0);
   const float highlight = max(dot(normal, normalize(frame.fill_light.xyz + to_eye)), 0.0);
   const float gloss = 0.35 * to_the_48th(highlight);
-  const vec3 color = surface.rgb * (0.2 + 0.62 * facing + 0.45 * fill) + vec3(gloss);
-  const float transmitted = surface.a < 1.0 ? exp2(log2(1.0 - surface.a) / max(facing, 0.2)) : 0.0;
+  const vec3 color = base.rgb * (0.2 + 0.62 * facing + 0.45 * fill) + vec3(gloss);
+  const bool translucent = surface.is_opaque == 0u && base.a < 1.0;
+  const float transmitted = translucent ? exp2(log2(1.0 - base.a) / max(facing, 0.2)) : 0.0;
   return vec4(color, 1.0 - transmitted);
 }
 

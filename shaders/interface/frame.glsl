@@ -26,10 +26,12 @@
 #define SLOT_STATE_BACK_GROUP 15
 #define SLOT_OBJECTS 16
 #define SLOT_E 17
-#define SLOT_IMAGE_0 18
-#define SLOT_IMAGE_1 19
-#define SLOT_IMAGE_2 20
-#define SLOT_OPAQUE 21
+#define SLOT_ATTRIBUTES 18
+#define SLOT_TEXTURES 19
+#define SLOT_IMAGE_0 20
+#define SLOT_IMAGE_1 21
+#define SLOT_IMAGE_2 22
+#define SLOT_OPAQUE 23
 
 layout(constant_id = 0) const uint kEffect = 0u;
 // Constants 1 and 2 belong to the technique.
@@ -38,6 +40,8 @@ layout(constant_id = 2) const uint kVariant = 0u;
 // Of the scene and the pass (src/render/frame.h): what fragments have to be looked at for.
 layout(constant_id = 4) const uint kFeatures = 0u;
 const uint kBehindOpaque = 1u;
+const uint kColored = 2u;
+const uint kCutOut = 4u;
 bool has_feature(uint feature) { return (kFeatures & feature) != 0u; }
 
 layout(push_constant) uniform Push {

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_ARB_shader_viewport_layer_array : require
 #include "frame.glsl"
+#include "vertex.glsl"
 // As scene.vert; instance i goes to layer i of the attachments.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -14,4 +15,5 @@ void main() {
   gl_Layer = gl_InstanceIndex;
   world_position = position;
   world_normal = normal;
+  hand_on_look();
 }

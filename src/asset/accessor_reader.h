@@ -35,6 +35,8 @@ class AccessorReader {
     [[nodiscard]] std::uint64_t count() const { return bytes.size() / element_bytes; }
   };
   Elements read_elements(std::uint64_t accessor);
+  // Of a buffer view, decompressed where it is compressed.
+  std::span<const std::byte> view_bytes(std::uint64_t view);
 
   [[nodiscard]] std::uint64_t count(std::uint64_t accessor) const;
   // Largest value of the component type of an index accessor: glTF forbids it as an index ("primitive
@@ -55,7 +57,6 @@ class AccessorReader {
   Bytes elements(const Fields& accessor, const Layout& layout);
   void copy_strided(const Fields& accessor, const Layout& layout, Bytes& out);
   void substitute_sparse(const Fields& sparse, const Layout& layout, Bytes& out);
-  std::span<const std::byte> view_bytes(std::uint64_t view);
   std::span<const std::byte> buffer_range(const Fields& owner) const;
   const Bytes& decoded_view(std::uint64_t view, const Fields& parent, const Fields& compression);
   void charge(const Fields& owner, std::uint64_t elements, std::uint64_t limit);

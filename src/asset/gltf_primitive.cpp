@@ -90,6 +90,7 @@ AlphaMode parse_alpha_mode(const Fields& material) {
 void read_material(const Fields& root, const Fields& fields, Primitive& primitive) {
   primitive.alpha_mode = AlphaMode::opaque;
   primitive.double_sided = false;
+  primitive.has_material = true;  // without one it has glTF's default
   const auto index = fields.find_index("material");
   if (!index) return;
   const Fields material = root.element("materials", *index);

@@ -281,7 +281,8 @@ void add_primitives(const ObjFile& file, const Materials& materials, Model& mode
     primitive.name = name;
     primitive.material_name = file.material_names[m];
     const auto material = materials.find(primitive.material_name);
-    if (material != materials.end()) primitive.base_color = material->second.base_color;
+    primitive.has_material = material != materials.end();
+    if (primitive.has_material) primitive.base_color = material->second.base_color;
     add_primitive(model, std::move(primitive));
   }
   if (model.primitives.empty()) {

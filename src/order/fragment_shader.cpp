@@ -70,7 +70,20 @@ void FragmentShader::shade(std::uint64_t pixel, std::span<const Fragment> fragme
   const Ray ray = ray_through(pixel);
   const bool lit = options_.shading == Shading::lit;
   shaded.clear();
-  for (const Fragment& f : fragments) shaded.push_back(lit ? shade_lit(ray, f.node) : shade_depth(f));
+  for (const Fragment& f : fragments) {
+    const std::uint32_t look =
+        options_.triangle_looks.empty() ? 0 : options_.triangle_looks[triangle_of(f.node)];
+    shaded.push_back(lit ? shade_lit(ray, f.node, options_.looks[look].color, log2_transmittances_[look])
+                         : shade_depth(f));
+  }
+}
+
+void FragmentShader::shade(std::uint64_t pixel, std::span<const Fragment> fragments,
+                           std::span<const SurfaceLook> looks, std::vector<ShadedFragment>& shaded) const {
+  const Ray ray = ray_through(pixel);
+  shaded.clear();
+  for (std::size_t i = 0; i < fragments.size(); ++i)
+    shaded.push_back(shade_lit(ray, fragments[i].node, looks[i].color, std::log2(1 - looks[i].alpha)));
 }
 
 Vec3d FragmentShader::blend(std::span<const ShadedFragment> front_to_back) const {
@@ -119,7 +132,8 @@ Vec3d FragmentShader::normal_at(const Ray& ray, NodeId node) const {
   return flipped_towards(normal, shown);
 }
 
-ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node) const {
+ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const Vec3f& color,
+                                         double log2_transmittance) const {
   const Vec3d normal = normal_at(ray, node);
   const Vec3d to_eye = -ray.direction;
   const double facing = std::clamp(dot(normal, to_eye), 0.0, 1.0);
@@ -128,10 +142,8 @@ ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node) const {
 
   const double diffuse = kAmbient + kHeadlight * facing + kFill * fill;
   const double gloss = kHighlight * to_the_48th(highlight);
-  const std::uint32_t triangle = triangle_of(node);
-  const std::uint32_t look = options_.triangle_looks.empty() ? 0 : options_.triangle_looks[triangle];
-  const double alpha = 1 - std::exp2(log2_transmittances_[look] / std::max(facing, kGrazingCosine));
-  return {to_double(options_.looks[look].color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha, node};
+  const double alpha = 1 - std::exp2(log2_transmittance / std::max(facing, kGrazingCosine));
+  return {to_double(color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha, node};
 }
 
 ShadedFragment FragmentShader::shade_depth(const Fragment& fragment) const {

@@ -16,6 +16,8 @@ constexpr std::uint32_t kDumpEffect = 7;
 // What the fragments of a pass have to be looked at for: kFeatures of shaders/interface/frame.glsl.
 enum Feature : std::uint32_t {
   behind_opaque = 1,  // those behind opaque surfaces are none
+  colored = 2,        // vertices have colours or texture coordinates
+  cut_out = 4,        // those where a texture leaves too little opacity are none
 };
 
 // Pipelines are made once and kept as long as the device.

@@ -11,6 +11,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "frame.h"
+#include "texture_levels.h"
+
 namespace pellucid::render {
 namespace {
 
@@ -19,6 +22,17 @@ constexpr std::uint64_t kMostTriangles = (1ULL << 31U) - 2;
 
 [[noreturn]] void complain(const std::string& what) {
   throw Error(ErrorKind::bad_argument, "render: " + what);
+}
+
+void check_looks(const RenderScene& scene) {
+  const auto fits = [&](std::size_t count) { return count == 0 || count == scene.positions.size(); };
+  if (!fits(scene.texcoords.size()) || !fits(scene.colors.size()))
+    complain("a scene has texture coordinates and colours for every position, or for none");
+  for (const Surface& s : scene.surfaces) {
+    if (s.texture && *s.texture >= scene.textures.size())
+      complain("a surface has a texture that is not there");
+    if (s.texture && scene.texcoords.empty()) complain("a textured scene has texture coordinates");
+  }
 }
 
 void check_scene(const RenderScene& scene) {
@@ -33,6 +47,7 @@ void check_scene(const RenderScene& scene) {
   for (const std::uint32_t object : scene.objects) {
     if (object >= scene.surfaces.size()) complain("a triangle has an object that is not there");
   }
+  check_looks(scene);
   if (scene.sequence.empty()) return;
   std::vector<bool> seen(scene.triangles.size());
   for (const std::uint32_t triangle : scene.sequence) {
@@ -84,8 +99,9 @@ Sequence sequence_of(const RenderScene& scene) {
     const Surface& s = surface(sequence[i]);
     std::vector<DrawRange>& ranges = result.ranges;
     if (ranges.empty() || ranges.back().culled == s.double_sided || ranges.back().opaque != s.opaque)
-      ranges.push_back({i, 0, !s.double_sided, s.opaque});
+      ranges.push_back({i, 0, !s.double_sided, s.opaque, false});
     ++ranges.back().triangles;
+    ranges.back().cut_out = ranges.back().cut_out || s.cutoff > 0;
   }
   return result;
 }
@@ -110,7 +126,9 @@ std::vector<TriangleGroup> groups_of(const RenderScene& scene, const Sequence& s
                           (groups.back().range.triangles >= most / 4 && object(i) != object(i - 1));
       if (begins) {
         groups.push_back(kNoTriangles);
-        groups.back().range = {i, 0, range.culled, range.opaque};
+        groups.back().range = range;
+        groups.back().range.first_triangle = i;
+        groups.back().range.triangles = 0;
       }
       ++groups.back().range.triangles;
       for (const std::uint32_t vertex : scene.triangles[sequence.triangles[i]]) {
@@ -127,11 +145,63 @@ std::vector<TriangleGroup> groups_of(const RenderScene& scene, const Sequence& s
   return groups;
 }
 
+GpuSurface gpu_surface(const Surface& s) {
+  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  return {.color = {s.color.x, s.color.y, s.color.z, std::clamp(s.alpha, 0.0F, 1.0F)},
+          .texture = s.texture.value_or(kNone),
+          .cutoff = s.cutoff,
+          .opaque = s.opaque ? 1U : 0U};
+}
+
+// Six numbers a vertex.
+std::vector<float> attributes_of(const RenderScene& scene) {
+  std::vector<float> numbers;
+  numbers.reserve(6 * scene.positions.size());
+  for (std::size_t v = 0; v < scene.positions.size(); ++v) {
+    if (scene.texcoords.empty()) {
+      numbers.insert(numbers.end(), 2, 0.0F);
+    } else {
+      numbers.insert(numbers.end(), scene.texcoords[v].begin(), scene.texcoords[v].end());
+    }
+    if (scene.colors.empty()) {
+      numbers.insert(numbers.end(), 4, 1.0F);
+    } else {
+      numbers.insert(numbers.end(), scene.colors[v].begin(), scene.colors[v].end());
+    }
+  }
+  return numbers;
+}
+
+// A head of 20 words for each: sides, levels, wrap modes, where each level begins; then all texels.
+std::vector<std::uint32_t> texture_words(const std::vector<TextureLevels>& textures) {
+  constexpr std::size_t kHeadWords = 4 + kMostLevels;
+  std::vector<std::uint32_t> words(kHeadWords * textures.size());
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    const TextureLevels& texture = textures[i];
+    std::uint32_t* head = &words[kHeadWords * i];
+    head[0] = texture.levels[0].width;
+    head[1] = texture.levels[0].height;
+    head[2] = static_cast<std::uint32_t>(texture.levels.size());
+    head[3] = static_cast<std::uint32_t>(texture.wrap_u) | static_cast<std::uint32_t>(texture.wrap_v) << 2U;
+    for (std::size_t level = 0; level < texture.levels.size(); ++level) {
+      words[kHeadWords * i + 4 + level] = static_cast<std::uint32_t>(words.size());
+      const std::vector<std::uint32_t>& texels = texture.levels[level].texels;
+      words.insert(words.end(), texels.begin(), texels.end());
+    }
+  }
+  return words;
+}
+
 }  // namespace
 
 void GpuScene::draw_all() {
   ranges = all_ranges;
   groups = all_groups;
+}
+
+std::uint32_t GpuScene::features() const {
+  const bool cuts = std::any_of(ranges.begin(), ranges.end(), [](const DrawRange& r) { return r.cut_out; });
+  return (attributes ? static_cast<std::uint32_t>(colored) : 0U) | (cuts ? cut_out : 0U);
 }
 
 void GpuScene::draw_only(bool opaque) {
@@ -158,10 +228,8 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
     triangles.push_back(smallest_corner_first(scene.triangles[t], scene.positions));
     infos.push_back({scene.objects[t], t});
   }
-  std::vector<std::array<float, 4>> surfaces;
-  for (const Surface& s : scene.surfaces) {
-    surfaces.push_back({s.color.x, s.color.y, s.color.z, s.opaque ? 1.0F : std::clamp(s.alpha, 0.0F, 1.0F)});
-  }
+  std::vector<GpuSurface> surfaces;
+  for (const Surface& s : scene.surfaces) surfaces.push_back(gpu_surface(s));
 
   GpuScene gpu;
   gpu.positions = make_buffer(context, "scene's positions", scene.positions);
@@ -170,6 +238,11 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
   gpu.triangles = make_buffer(context, "scene's triangle numbers", infos);
   gpu.objects = make_buffer(context, "scene's objects", scene.objects);
   gpu.surfaces = make_buffer(context, "scene's surfaces", surfaces);
+  if (!scene.texcoords.empty() || !scene.colors.empty())
+    gpu.attributes = make_buffer(context, "scene's vertex colours", attributes_of(scene));
+  if (!scene.textures.empty())
+    gpu.textures =
+        make_buffer(context, "scene's textures", texture_words(make_texture_levels(scene.textures)));
   gpu.object_count = static_cast<std::uint32_t>(scene.surfaces.size());
   gpu.all_groups = groups_of(scene, sequence);
   gpu.all_ranges = std::move(sequence.ranges);

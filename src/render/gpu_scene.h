@@ -6,6 +6,7 @@
 // smallest id is drawn over the others.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct DrawRange {
   std::uint32_t first_triangle = 0, triangles = 0;
   bool culled = false;  // back faces are not drawn
   bool opaque = false;
+  bool cut_out = false;  // of some triangles fragments are cut out
 };
 
 // Neighbours in the sequence, with a box that is somewhat larger than they are: more than what rasterisation
@@ -29,9 +31,11 @@ struct TriangleGroup {
 struct GpuScene {
   Buffer positions, normals;
   Buffer indices;
-  Buffer triangles;  // as drawn: object, number of the triangle in the RenderScene
-  Buffer objects;    // of the RenderScene's triangles
-  Buffer surfaces;   // colour and alpha
+  Buffer triangles;   // as drawn: object, number of the triangle in the RenderScene
+  Buffer objects;     // of the RenderScene's triangles
+  Buffer surfaces;    // GpuSurface
+  Buffer attributes;  // of vertices: texture coordinates and colour; none where all are white
+  Buffer textures;    // words: shaders/interface/texture.glsl; none without textures
   std::vector<DrawRange> all_ranges;
   std::vector<DrawRange> ranges;  // of these, what a pass draws: see draw_all() and the others
   std::vector<TriangleGroup> all_groups;
@@ -41,6 +45,16 @@ struct GpuScene {
   void draw_all();
   void draw_only(bool opaque);
   [[nodiscard]] bool has_opaque() const;
+  // Of what a pass draws: a sum of Feature (frame.h).
+  [[nodiscard]] std::uint32_t features() const;
+};
+
+// std430, shaders/interface/fragment_input.glsl
+struct GpuSurface {
+  std::array<float, 4> color{};  // and alpha
+  std::uint32_t texture = 0;     // 0xFFFFFFFF: none
+  float cutoff = 0;
+  std::uint32_t opaque = 0, unused = 0;
 };
 
 // Throws Error{bad_argument} for members that do not fit together.

@@ -8,6 +8,7 @@
 
 #include "effects.h"
 #include "pellucid/shading.h"
+#include "surface_sampler.h"
 
 namespace pellucid {
 namespace {
@@ -47,7 +48,9 @@ class Reference {
   [[nodiscard]] bool csg_value(const std::vector<bool>& inside) const;
   [[nodiscard]] std::optional<std::array<double, 2>> on_screen(const Vec3f& position) const;
   [[nodiscard]] double view_distance(double depth) const;
-  void drop_culled(FragmentBuffer& fragments) const;
+  void shade(std::uint64_t p, std::span<const Fragment> fragments);
+  // Back faces of what shows only its fronts, and what a texture cuts out.
+  void drop_undrawn(FragmentBuffer& fragments) const;
   // The background of a pixel, and what is in front of it.
   std::span<const Fragment> in_front_of_opaque(std::uint64_t p, std::span<const Fragment> fragments);
   void drop_hidden(FragmentBuffer& fragments);
@@ -60,28 +63,39 @@ class Reference {
   std::vector<Vec3d> opaque_;  // the background of every pixel, where an effect blends
   ShadingOptions shading_;
   Shaded shaded_;
+  std::vector<SurfaceLook> looks_;
   std::optional<FragmentShader> shader_;
+  render::SurfaceSampler sampler_;
 };
 
 Reference::Reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options)
-    : scene_(scene), camera_(camera), options_(options), background_(to_double(options.background)) {
+    : scene_(scene),
+      camera_(camera),
+      options_(options),
+      background_(to_double(options.background)),
+      sampler_(scene, camera) {
   mesh_.positions = scene.positions;
   mesh_.normals = scene.normals;
   mesh_.triangles = scene.triangles;
   shading_.background = options.background;
-  for (const Surface& s : scene.surfaces)
-    shading_.looks.push_back({s.color, s.opaque ? 1.0 : static_cast<double>(s.alpha)});
-  shading_.triangle_looks = scene.objects;
   shader_.emplace(mesh_, camera_, shading_);
 }
 
-void Reference::drop_culled(FragmentBuffer& fragments) const {
+void Reference::shade(std::uint64_t p, std::span<const Fragment> fragments) {
+  looks_.clear();
+  for (const Fragment& f : fragments) looks_.push_back(sampler_.look_at(p, f.node).value_or(SurfaceLook{}));
+  shader_->shade(p, fragments, looks_, shaded_);
+}
+
+void Reference::drop_undrawn(FragmentBuffer& fragments) const {
   FragmentBuffer kept;
   kept.offsets.push_back(0);
   for (std::size_t p = 0; p + 1 < fragments.offsets.size(); ++p) {
     for (const Fragment& f : fragments.pixel(p)) {
       const bool back = (f.node & 1U) != 0;
-      if (!back || scene_.surfaces[scene_.objects[f.node / 2]].double_sided) kept.fragments.push_back(f);
+      const Surface& surface = scene_.surfaces[scene_.objects[f.node / 2]];
+      if (back && !surface.double_sided) continue;
+      if (surface.cutoff == 0 || sampler_.look_at(p, f.node)) kept.fragments.push_back(f);
     }
     kept.offsets.push_back(kept.fragments.size());
   }
@@ -95,7 +109,7 @@ std::span<const Fragment> Reference::in_front_of_opaque(std::uint64_t p,
     return scene_.surfaces[scene_.objects[triangle_of(f.node)]].opaque;
   });
   if (opaque == fragments.end()) return fragments;
-  shader_->shade(p, std::span(opaque, 1), shaded_);
+  shade(p, std::span(opaque, 1));
   if (options_.effect == Effect::wireframe) draw_edges(p, shaded_);
   opaque_[p] = shaded_.front().color;
   const auto end =
@@ -252,7 +266,7 @@ Vec3d Reference::self_collision(std::span<const Fragment> fragments, const std::
 
 Vec3d Reference::pixel(std::uint64_t p, std::span<const Fragment> fragments) {
   if (fragments.empty()) return opaque_.empty() ? background_ : opaque_[p];
-  shader_->shade(p, fragments, shaded_);
+  shade(p, fragments);
   const std::vector<Group> groups = groups_of(fragments);
   switch (options_.effect) {
     case Effect::wireframe:
@@ -278,7 +292,7 @@ RenderResult Reference::draw() {
   const Stopwatch watch;
   FragmentBuffer fragments;
   rasterize(mesh_, camera_, {}, fragments);
-  drop_culled(fragments);
+  drop_undrawn(fragments);
   if (render::blends(options_.effect)) drop_hidden(fragments);
   RenderResult result;
   result.width = camera_.width;

@@ -160,6 +160,8 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
     recorder.bind(render::Slot::indices, scene->indices);
     recorder.bind(render::Slot::positions, scene->positions);
     recorder.bind(render::Slot::objects, scene->objects);
+    if (scene->attributes) recorder.bind(render::Slot::attributes, scene->attributes);
+    if (scene->textures) recorder.bind(render::Slot::textures, scene->textures);
     recorder.bind(render::Slot::counters, frame.counters);
     recorder.bind(render::Slot::opaque, opaque->nearest());
     if (picture) recorder.bind(render::Slot::picture, picture);
@@ -183,8 +185,8 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
 void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats) {
   const bool needed = render::OpaqueLayer::needed(frame);
   opaque.emplace(frame);
-  pipelines.use_features(0);
   scene->draw_only(true);
+  pipelines.use_features(scene->features());
   const render::FrameData data = render::frame_data(job.camera, frame);
   render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
   run(job, frame, stats, [&](render::Recorder& recorder) {
@@ -192,11 +194,11 @@ void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& 
     if (needed) opaque->draw(frame, recorder);
   });
   if (needed) {
-    pipelines.use_features(render::behind_opaque);
     scene->draw_only(false);
   } else {
     scene->draw_all();
   }
+  pipelines.use_features(scene->features() | (needed ? render::behind_opaque : 0U));
 }
 
 std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, render::Frame& frame) {

@@ -90,8 +90,8 @@ class Context {
 };
 
 // The one descriptor set that all shaders share (shaders/interface/frame.glsl): storage buffers, then images.
-constexpr std::uint32_t kFirstImageSlot = 18;
-constexpr std::uint32_t kSlots = 22;
+constexpr std::uint32_t kFirstImageSlot = 20;
+constexpr std::uint32_t kSlots = 24;
 // Bytes of push constants.
 constexpr std::uint32_t kPushBytes = 32;
 

@@ -38,6 +38,8 @@ enum class Slot : std::uint32_t {
   state_back_group,
   objects,
   e,
+  attributes,
+  textures,
   image_0,
   image_1,
   image_2,

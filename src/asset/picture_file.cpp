@@ -1,0 +1,139 @@
+// Pictures: see picture_file.h. PNG by libpng's simplified interface, JPEG by libjpeg.
+#include "picture_file.h"
+
+#include <jpeglib.h>
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <csetjmp>
+#include <cstring>
+
+namespace pellucid {
+namespace {
+
+constexpr std::array<unsigned char, 8> kPngBegins{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+constexpr std::array<unsigned char, 3> kJpegBegins{0xFF, 0xD8, 0xFF};
+// What libjpeg may allocate beside the picture: progressive files are held as coefficients.
+constexpr long kMostJpegMemory = 1L << 30;
+
+template <std::size_t count>
+bool begins_with(std::span<const std::byte> file, const std::array<unsigned char, count>& bytes) {
+  return file.size() >= count && std::memcmp(file.data(), bytes.data(), count) == 0;
+}
+
+void check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_texels) {
+  const std::string size = std::to_string(width) + " x " + std::to_string(height) + " texels";
+  if (width == 0 || height == 0) throw PictureError("it has " + size);
+  if (height > max_texels / width) {
+    throw PictureError("it has " + size + ", and all pictures together may have " +
+                       std::to_string(max_texels));
+  }
+}
+
+Picture decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  // Frees what libpng holds, whatever happens.
+  struct Free {
+    png_image* image;
+    ~Free() { png_image_free(image); }
+  } const free{&header};
+  if (png_image_begin_read_from_memory(&header, file.data(), file.size()) == 0)
+    throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
+  check_size(header.width, header.height, max_texels);
+  header.format = PNG_FORMAT_RGBA;
+  Picture picture{header.width, header.height, {}};
+  picture.rgba.resize(PNG_IMAGE_SIZE(header));
+  if (png_image_finish_read(&header, nullptr, picture.rgba.data(), 0, nullptr) == 0)
+    throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
+  // Of a file that is cut off libpng gives what there is, with a warning.
+  if ((header.warning_or_error & PNG_IMAGE_WARNING) != 0 &&
+      std::string_view(header.message).find("Not enough") != std::string_view::npos)
+    throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
+  return picture;
+}
+
+// libjpeg leaves errors by longjmp: nothing with a destructor lives between there and here.
+struct JpegReader {
+  jpeg_decompress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  std::jmp_buf out{};
+  std::array<char, JMSG_LENGTH_MAX> message{};
+};
+
+JpegReader& reader_of(j_common_ptr jpeg) {
+  return *static_cast<JpegReader*>(jpeg->client_data);
+}
+
+[[noreturn]] void leave_jpeg(j_common_ptr jpeg) {
+  JpegReader& reader = reader_of(jpeg);
+  jpeg->err->format_message(jpeg, reader.message.data());
+  std::longjmp(reader.out, 1);  // NOLINT(modernize-avoid-setjmp-longjmp)
+}
+
+// Level -1: the data is corrupt, and libjpeg would make something up.
+void on_jpeg_message(j_common_ptr jpeg, int level) {
+  if (level < 0) leave_jpeg(jpeg);
+}
+
+// False where libjpeg complains; otherwise the header is read.
+bool begin_jpeg(JpegReader& reader, std::span<const std::byte> file) {
+  reader.jpeg.err = jpeg_std_error(&reader.errors);
+  reader.errors.error_exit = leave_jpeg;
+  reader.errors.emit_message = on_jpeg_message;
+  reader.jpeg.client_data = &reader;
+  if (setjmp(reader.out) != 0) return false;
+  jpeg_create_decompress(&reader.jpeg);
+  reader.jpeg.mem->max_memory_to_use = kMostJpegMemory;
+  jpeg_mem_src(&reader.jpeg, reinterpret_cast<const unsigned char*>(file.data()),
+               static_cast<unsigned long>(file.size()));
+  jpeg_read_header(&reader.jpeg, TRUE);
+  return true;
+}
+
+// `rgb` has room for the whole picture.
+bool decode_rows(JpegReader& reader, std::uint8_t* rgb) {
+  if (setjmp(reader.out) != 0) return false;
+  reader.jpeg.out_color_space = JCS_RGB;
+  jpeg_start_decompress(&reader.jpeg);
+  const std::size_t row_bytes = std::size_t{3} * reader.jpeg.output_width;
+  while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
+    JSAMPROW row = rgb + row_bytes * reader.jpeg.output_scanline;
+    jpeg_read_scanlines(&reader.jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&reader.jpeg);
+  return true;
+}
+
+Picture decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels) {
+  JpegReader reader;
+  struct Free {
+    jpeg_decompress_struct* jpeg;
+    ~Free() { jpeg_destroy_decompress(jpeg); }
+  } const free{&reader.jpeg};
+  const auto complain = [&] {
+    throw PictureError(std::string("as a JPEG it is damaged: ") + reader.message.data());
+  };
+  if (!begin_jpeg(reader, file)) complain();
+  check_size(reader.jpeg.image_width, reader.jpeg.image_height, max_texels);
+  Picture picture{reader.jpeg.image_width, reader.jpeg.image_height, {}};
+  const std::size_t texels = std::size_t{picture.width} * picture.height;
+  std::vector<std::uint8_t> rgb(3 * texels);
+  if (!decode_rows(reader, rgb.data())) complain();
+  picture.rgba.resize(4 * texels, 255);
+  for (std::size_t i = 0; i < texels; ++i) std::copy_n(&rgb[3 * i], 3, &picture.rgba[4 * i]);
+  return picture;
+}
+
+}  // namespace
+
+bool is_picture(std::span<const std::byte> file) {
+  return begins_with(file, kPngBegins) || begins_with(file, kJpegBegins);
+}
+
+Picture decode_picture(std::span<const std::byte> file, std::uint64_t max_texels) {
+  return begins_with(file, kPngBegins) ? decode_png(file, max_texels) : decode_jpeg(file, max_texels);
+}
+
+}  // namespace pellucid

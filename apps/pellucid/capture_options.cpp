@@ -19,7 +19,7 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
              "Operation of --effect csg on the file's objects; difference: the first minus all others");
   add_choice(command, "--surfaces", picture.surfaces,
              {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
-             "uniform: all of one colour (default); file: base colours and alpha modes of the materials");
+             "uniform: all of one colour (default); file: its materials: colours, textures, alpha modes");
   command.add_option("--k", options.k, "Fragments a pixel, or buckets, of techniques with a fixed number")
       ->check(CLI::Range(1, 64))
       ->type_name("N")
@@ -29,6 +29,7 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
+  command.add_flag("--cull", options.cull, "Techniques that peel: do not draw again what is peeled completely");
   command.add_flag("--plain-resolve", options.plain_resolve,
                    "Sort as is common, by insertion into a local array of 128: to measure against");
   command.add_option("--device", picture.device.device, "Vulkan device, by a part of its name")

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "file_camera.h"
 #include "pellucid/report.h"
+#include "pose.h"
 #include "terminal_progress.h"
 
 namespace pellucid::cli {
@@ -68,6 +70,11 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
           {"peak_rss_bytes", peak_rss_bytes()}};
 }
 
+bool any_deforms(const Model& model) {
+  return std::any_of(model.primitives.begin(), model.primitives.end(),
+                     [](const Primitive& p) { return p.deforms; });
+}
+
 // Times of more frames, in which nothing is counted: their medians.
 void time_more_frames(const CapturePicture& picture, const Camera& camera, Renderer& renderer,
                       const Session& session, CaptureStats& stats) {
@@ -111,12 +118,18 @@ void render_capture(const CapturePicture& picture, Session& session) {
   // A device that is not there is told before a large file is read.
   std::optional<Renderer> renderer;
   if (!reference) renderer.emplace(picture.device);
-  const Viewpoint viewpoint = parse_camera(picture.camera_text);
+  if (!is_file_camera(picture.camera_text)) parse_camera(picture.camera_text);
   const Model model = read_model(picture.input);
-  const Scene scene = make_scene(model);
-  const RenderScene drawn = make_render_scene(model, scene, picture.surfaces, picture.look);
+  Scene scene = make_scene(model);
+  if (!picture.animation.empty() || any_deforms(model)) {
+    pose_scene(model, picture.animation, picture.time, scene);
+  }
+  std::vector<std::string> notes;
+  RenderScene drawn = make_render_scene(model, scene, picture.surfaces, picture.look, &notes);
+  for (const std::string& note : notes) session.note(note);
   stop_if_signalled();
-  const Camera camera = look_at_sphere(scene.sphere, viewpoint, picture.width, picture.height);
+  const Camera camera = camera_from(picture.camera_text, model, scene, picture.width, picture.height);
+  if (picture.use_orders && picture.animation.empty()) drawn.sequence = drawing_sequence(scene, camera);
   RenderResult result;
   if (reference) {
     result = draw_reference(drawn, camera, picture.options);

@@ -2,11 +2,13 @@
 // drawn as one of its orders draws it.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "capture_options.h"
 #include "capture_picture.h"
 #include "choice.h"
+#include "file_camera.h"
 #include "pellucid/metric.h"
 #include "pellucid/report.h"
 #include "scene.h"
@@ -44,19 +46,22 @@ void require_orders(const Scene& scene, const std::string& path) {
 // Orders are judged on the CPU, by surfaces that all look the same.
 bool draws_orders(const RenderCommand& options) {
   return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
-         options.capture.surfaces == Surfaces::uniform;
+         options.capture.surfaces == Surfaces::uniform && options.capture.animation.empty() &&
+         !is_file_camera(options.camera);
 }
 
 void run_capture(const RenderCommand& options, Session& session) {
   if (options.picture != Picture::exact) {
     throw Error(ErrorKind::bad_argument, "--order " + options.picture_name +
                                              " is drawn with --technique cpu, --effect transparency and "
-                                             "--surfaces uniform");
+                                             "--surfaces uniform, without --animation and --camera file:");
   }
   if (options.shading.shading != Shading::lit) {
     throw Error(ErrorKind::bad_argument,
                 "--shading depth is drawn with --technique cpu and --effect transparency");
   }
+  if (!std::isfinite(options.capture.time))
+    throw Error(ErrorKind::bad_argument, "--time: not a number of seconds");
   const Size size = parse_size(options.size);
   CapturePicture picture = options.capture;
   picture.input = options.input;
@@ -135,6 +140,7 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       "  pellucid render ordered.glb -o wrong.png --order error --size 1024x1024\n"
       "  pellucid render bunny.ply -o depth.png --order original --shading depth\n"
       "  pellucid render bottles.glb -o all.png --technique sb --surfaces file\n"
+      "  pellucid render fox.glb -o run.png --technique sb --surfaces file --animation Run --time 0.3\n"
       "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
       1, [options](Session& session) { run_render(*options, session); });
   RenderCommand& o = *options;
@@ -153,9 +159,21 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
              "How fragments are blended (default exact); error: wrong pixels of the buffers in red")
       ->each([&o](const std::string& name) { o.picture_name = name; });
   command
-      ->add_option("--camera", o.camera, "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf)")
+      ->add_option("--camera", o.camera,
+                   "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf), or file:NAME or "
+                   "file:NUMBER of a camera of the file")
       ->type_name("")
       ->capture_default_str();
+  CLI::Option* animation = command
+                               ->add_option("--animation", o.capture.animation,
+                                            "Pose the scene by this animation, by name or number")
+                               ->type_name("NAME");
+  command->add_option("--time", o.capture.time, "Seconds of --animation")
+      ->needs(animation)
+      ->type_name("S")
+      ->capture_default_str();
+  command->add_flag("!--ignore-orders", o.capture.use_orders,
+                    "Draw triangles as they are stored, not in the sequence of the file's orders");
   command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
   add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},
              "lit: lighting of a translucent surface (default); depth: depth as colour");

@@ -44,18 +44,23 @@ Mat4 inverse(const Mat4& a, double d) {
   return b;
 }
 
-void append_object(Scene& scene, std::uint32_t primitive, const Mat4& world, const std::string& name) {
+void append_object(const Model& model, std::uint32_t number, Scene& scene) {
+  const Instance& instance = model.instances[number];
+  const std::uint32_t primitive = instance.primitive;
+  const Mat4& world = instance.world;
   const Mesh& local = scene.primitives[primitive].mesh;
   if (local.triangles.empty()) return;
   const double d = determinant(world);
   if (!std::isnormal(d)) {
-    throw Error(ErrorKind::bad_input,
-                fmt::format("node '{}': its world matrix has no inverse, it cannot be drawn", name));
+    throw Error(
+        ErrorKind::bad_input,
+        fmt::format("node '{}': its world matrix has no inverse, it cannot be drawn", instance.node_name));
   }
   const auto first_vertex = static_cast<std::uint32_t>(scene.mesh.positions.size());
   const Mat4 local_from_world = inverse(world, d);
-  scene.objects.push_back({primitive, static_cast<std::uint32_t>(scene.mesh.triangles.size()),
-                           local_from_world, transformed_point(world, bounding_sphere(local).center)});
+  scene.objects.push_back({primitive, static_cast<std::uint32_t>(scene.mesh.triangles.size()), first_vertex,
+                           number, d < 0, local_from_world,
+                           transformed_point(world, bounding_sphere(local).center)});
   for (const Vec3f& p : local.positions) {
     scene.mesh.positions.push_back(to_float(transformed_point(world, to_double(p))));
   }
@@ -127,9 +132,7 @@ Scene make_scene(const Model& model) {
     scene.culled.push_back(has_transparency_orders(primitive) ? primitive.orders->facing == Facing::single
                                                               : single_sided);
   }
-  for (const Instance& instance : model.instances) {
-    append_object(scene, instance.primitive, instance.world, instance.node_name);
-  }
+  for (std::uint32_t i = 0; i < model.instances.size(); ++i) append_object(model, i, scene);
   if (scene.mesh.triangles.empty()) {
     throw Error(ErrorKind::nothing_to_do,
                 model.path + ": nothing to draw: there are no triangles in its scene");

@@ -15,6 +15,9 @@ namespace pellucid::cli {
 struct SceneObject {
   std::uint32_t primitive = 0;       // index into Scene::primitives
   std::uint32_t first_triangle = 0;  // of Scene::mesh
+  std::uint32_t first_vertex = 0;
+  std::uint32_t instance = 0;  // index into Model::instances
+  bool mirrored = false;       // its triangles were turned
   Mat4 local_from_world;
   Vec3d center;  // of its bounding sphere, in the world
 };

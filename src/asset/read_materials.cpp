@@ -65,10 +65,22 @@ class MaterialReader {
     if (!index) return;
     const Fields material = root_.element("materials", *index);
     look.alpha_cutoff = static_cast<float>(material.number_or("alphaCutoff", 0.5));
+    let_light_through(material, look);
     const std::optional<TextureUse> use = find_texture(material);
     if (!use) return;
     look.texcoords = read_texcoords(fields, *use, vertices);
     if (!look.texcoords.empty()) look.texture = use->texture;
+  }
+
+  // Light goes through such a surface whatever its alpha mode: blended, with something left to see.
+  static void let_light_through(const Fields& material, PrimitiveLook& look) {
+    constexpr double kLeastOpacity = 0.15;
+    const auto extension = material.extension("KHR_materials_transmission");
+    const double factor = extension ? extension->number_or("transmissionFactor", 0) : 0;
+    if (!(factor > 0)) return;
+    if (look.alpha_mode != AlphaMode::blend) look.base_color[3] = 1;
+    look.alpha_mode = AlphaMode::blend;
+    look.base_color[3] *= static_cast<float>(std::max(1 - factor, kLeastOpacity));
   }
 
   // Values of an attribute of `fields`, one per vertex; empty without it.

@@ -21,7 +21,8 @@ Color times(const Color& a, const Color& b) {
 
 // The texel that number `i` of a row of `count` is, counted on without end.
 std::int64_t texel_of(double i, std::int64_t count, Wrap wrap) {
-  if (wrap == Wrap::clamp) return static_cast<std::int64_t>(std::clamp(i, 0.0, static_cast<double>(count - 1)));
+  if (wrap == Wrap::clamp)
+    return static_cast<std::int64_t>(std::clamp(i, 0.0, static_cast<double>(count - 1)));
   const double period = static_cast<double>(wrap == Wrap::mirror ? 2 * count : count);
   const auto inside = static_cast<std::int64_t>(i - period * std::floor(i / period));
   return inside < count ? inside : 2 * count - 1 - inside;
@@ -102,8 +103,7 @@ SurfaceSampler::Color SurfaceSampler::texture_color(std::uint32_t number, const 
     return std::hypot((there[0] - here[0]) * texture.levels[0].width,
                       (there[1] - here[1]) * texture.levels[0].height);
   };
-  const double texels =
-      std::max(texels_to({point[0] + 1, point[1]}), texels_to({point[0], point[1] + 1}));
+  const double texels = std::max(texels_to({point[0] + 1, point[1]}), texels_to({point[0], point[1] + 1}));
   const auto last = static_cast<double>(texture.levels.size() - 1);
   const double level = std::clamp(std::log2(std::max(texels, 1.0)), 0.0, last);
   const auto finer = static_cast<std::size_t>(level);

@@ -28,7 +28,8 @@ class SurfaceSampler {
   [[nodiscard]] Weights weights_at(const Place& point, const Triangle& triangle) const;
   [[nodiscard]] Place texcoord_at(const Place& point, const Triangle& triangle) const;
   [[nodiscard]] Color vertex_color(const Place& point, const Triangle& triangle) const;
-  [[nodiscard]] Color texture_color(std::uint32_t texture, const Place& point, const Triangle& triangle) const;
+  [[nodiscard]] Color texture_color(std::uint32_t texture, const Place& point,
+                                    const Triangle& triangle) const;
 
   const RenderScene& scene_;
   const Camera& camera_;

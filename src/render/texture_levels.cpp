@@ -36,7 +36,8 @@ Plane decoded(const Texture& texture) {
   plane.texels.reserve(texture.rgba.size() / 4);
   for (std::size_t i = 0; i < texture.rgba.size(); i += 4) {
     const std::uint8_t* const c = &texture.rgba[i];
-    plane.texels.push_back({linear.at(c[0]), linear.at(c[1]), linear.at(c[2]), static_cast<float>(c[3]) / 255});
+    plane.texels.push_back(
+        {linear.at(c[0]), linear.at(c[1]), linear.at(c[2]), static_cast<float>(c[3]) / 255});
   }
   return plane;
 }
@@ -80,7 +81,8 @@ std::vector<std::uint32_t> find_halvings(const std::vector<Texture>& textures) {
   std::uint64_t sum = 0;
   for (const Texture& texture : textures) sum += bytes.emplace_back(bytes_of(texture, 0));
   while (sum > kMostTextureBytes) {
-    const auto largest = static_cast<std::size_t>(std::max_element(bytes.begin(), bytes.end()) - bytes.begin());
+    const auto largest =
+        static_cast<std::size_t>(std::max_element(bytes.begin(), bytes.end()) - bytes.begin());
     const std::uint64_t smaller = bytes_of(textures[largest], ++halvings[largest]);
     if (smaller == bytes[largest])
       throw Error(ErrorKind::bad_argument, "render: a scene has too many textures");

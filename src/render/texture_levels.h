@@ -1,5 +1,5 @@
-// texture_levels.h - textures as they are sampled, on the device and by the reference: halved again and again,
-// in linear colours.
+// texture_levels.h - textures as they are sampled, on the device and by the reference: halved again and
+// again, in linear colours.
 #pragma once
 
 #include <cstdint>

@@ -1,10 +1,11 @@
 // Materials of glTF and OBJ files: textures of all forms, and pictures that are damaged or absurd.
+#include "pellucid/material.h"
+
 #include <jpeglib.h>
 
 #include <cstdlib>
 
 #include "gltf_helpers.h"
-#include "pellucid/material.h"
 #include "pellucid/metric.h"
 
 namespace pellucid::test {
@@ -171,6 +172,16 @@ TEST_F(MaterialFiles, VertexColors) {
   EXPECT_EQ(materials.primitives.at(0).colors.at(1), (std::array<float, 4>{0, 1, 0, 0.2F}));
 }
 
+TEST_F(MaterialFiles, TransmissionIsBlended) {
+  HandMade file = textured();
+  file.json["materials"][0]["alphaMode"] = "OPAQUE";
+  file.json["materials"][0]["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 0.75;
+  embed(file, png_of(2, 2));
+  const Materials materials = read(file);
+  EXPECT_EQ(materials.primitives.at(0).alpha_mode, AlphaMode::blend);
+  EXPECT_EQ(materials.primitives.at(0).base_color[3], 0.25F);
+}
+
 TEST_F(MaterialFiles, DamagedPicturesAreTold) {
   const Bytes png = png_of(40, 40);
   const Bytes jpeg = jpeg_of(40, {9, 99, 199});
@@ -233,7 +244,8 @@ TEST_F(MaterialFiles, AttributesThatDoNotFitAreRefused) {
 }
 
 TEST_F(MaterialFiles, ObjColorsAndOpacities) {
-  write_file_atomically(folder_ / "m.mtl", std::string_view("newmtl glass\nKd 0.1 0.2 0.3\nd 0.5\nnewmtl wood\nKd 1 0 0\n"));
+  write_file_atomically(folder_ / "m.mtl",
+                        std::string_view("newmtl glass\nKd 0.1 0.2 0.3\nd 0.5\nnewmtl wood\nKd 1 0 0\n"));
   write_file_atomically(folder_ / "m.obj",
                         std::string_view("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\n"
                                          "usemtl wood\nf 1 3 2\nusemtl none\nf 2 3 1\n"));

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "cli/command_line.h"
+#include "pellucid/base.h"
 
 namespace pellucid::testing {
 namespace {
@@ -68,6 +69,57 @@ TEST(RenderCommand, EveryEffectIsDrawn) {
   }
 }
 
+// A square before a camera, which leaves the view within a second.
+constexpr const char* kMovingSquare =
+    R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
+    "nodes":[{"mesh":0},{"camera":0,"translation":[0,0,3]}],
+    "cameras":[{"name":"front","type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":0.1,"zfar":9}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[-0.5,-0.5,0],"max":[0.5,0.5,0]},
+    {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},
+    {"bufferView":2,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
+    {"bufferView":3,"componentType":5126,"count":2,"type":"VEC3"}],
+    "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12},
+    {"buffer":0,"byteOffset":60,"byteLength":8},{"buffer":0,"byteOffset":68,"byteLength":24}],
+    "buffers":[{"byteLength":92,"uri":"data:;base64,)"
+    R"(AAAAvwAAAL8AAAAAAAAAPwAAAL8AAAAAAAAAPwAAAD8AAAAAAAAAvwAAAD8AAA)"
+    R"(AAAAABAAIAAAACAAMAAAAAAAAAgD8AAAAAAAAAAAAAAAAAACBBAAAAAAAAAAA="}],
+    "animations":[{"name":"away","samplers":[{"input":2,"output":3}],
+    "channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}]})";
+
+TEST(RenderCommand, PosesAndCamerasAreThoseOfTheFile) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder.file("square.gltf"), std::string_view(kMovingSquare));
+  const auto pixels = [&](const Arguments& more) {
+    Arguments arguments{"render",     folder.file("square.gltf"),
+                        "-o",         folder.file("p.png"),
+                        "--surfaces", "file",
+                        "--effect",   "complexity",
+                        "--size",     "40x40",
+                        "--json",     "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return nlohmann::json::parse(done.out)["covered_pixels"].get<int>();
+  };
+  // Half the height of a picture of 40 rows.
+  EXPECT_EQ(pixels({"--camera", "file:front"}), 400);
+  EXPECT_EQ(pixels({"--camera", "file:0", "--animation", "away"}), 400);
+  // A tenth of a second moves it by one unit, ten pixels of which are still to be seen.
+  EXPECT_EQ(pixels({"--camera", "file:0", "--animation", "0", "--time", "0.1"}), 200);
+  EXPECT_EQ(pixels({"--camera", "file:0", "--animation", "away", "--time", "1"}), 0);
+  for (const Arguments& bad :
+       {Arguments{"--camera", "file:back"}, Arguments{"--camera", "file:1"}, Arguments{"--animation", "home"},
+        Arguments{"--time", "1"}, Arguments{"--animation", "away", "--time", "nan"}}) {
+    Arguments arguments{"render", folder.file("square.gltf"), "-o", folder.file("none.png")};
+    arguments.insert(arguments.end(), bad.begin(), bad.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 2) << done.err;
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.file("none.png")));
+  }
+}
+
 #if defined(PELLUCID_WITH_RENDERER)
 TEST(RenderCommand, DeviceAndReferenceSeeTheSameFragments) {
   const TemporaryFolder folder;
@@ -82,6 +134,22 @@ TEST(RenderCommand, DeviceAndReferenceSeeTheSameFragments) {
   EXPECT_EQ(device["captured"], device["fragments"]);
   EXPECT_NEAR(device["fragments"].get<double>(), cpu["fragments"].get<double>(),
               0.002 * cpu["fragments"].get<double>());
+}
+
+// What is drawn first stays: in the file's order that is what is in front.
+TEST(RenderCommand, OrdersOfTheFileAreTheSequenceOfDrawing) {
+  const TemporaryFolder folder;
+  const auto drawn = [&](const std::string& technique, const std::string& option) {
+    Arguments arguments{
+        "render", samples().ordered, "-o",    folder.file("p.png"), "--technique", technique, "--k",
+        "1",      "--size",          "96x64", "--plain-resolve"};
+    if (!option.empty()) arguments.push_back(option);
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return slurp(folder.file("p.png"));
+  };
+  EXPECT_NE(drawn("fab", ""), drawn("fab", "--ignore-orders"));
+  EXPECT_EQ(drawn("kb", ""), drawn("kb", "--ignore-orders"));
 }
 #endif
 

@@ -117,7 +117,9 @@ RenderScene textured_boxes(std::uint64_t seed) {
   scene.textures[0].wrap_u = Wrap::mirror;
   scene.textures[1].wrap_v = Wrap::clamp;
   for (std::size_t v = 0; v < scene.positions.size(); ++v) {
-    const auto number = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
+    const auto number = [&](double low, double high) {
+      return static_cast<float>(random.uniform(low, high));
+    };
     scene.texcoords.push_back({number(-1, 2), number(-1, 2)});
     scene.colors.push_back({number(0.5, 1), number(0.5, 1), number(0.5, 1), number(0.5, 1)});
   }
@@ -161,7 +163,8 @@ TEST_P(TexturesOnDevice, AreThoseOfTheReference) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Effects, TexturesOnDevice, ::testing::Values(Effect::transparency, Effect::complexity));
+INSTANTIATE_TEST_SUITE_P(Effects, TexturesOnDevice,
+                         ::testing::Values(Effect::transparency, Effect::complexity));
 
 }  // namespace
 }  // namespace pellucid

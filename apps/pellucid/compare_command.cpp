@@ -56,7 +56,7 @@ std::vector<std::string> technique_names(const std::string& list) {
 std::vector<SweepKind> sweep_kinds(const std::string& list) {
   std::vector<SweepKind> kinds;
   std::string known;
-  for (const NamedSweep& sweep : compare_sweeps()) known += ", " + sweep.name;
+  for (const NamedSweep& sweep : compare_sweeps()) known.append(", ").append(sweep.name);
   for (const std::string& name : split(list)) {
     bool found = name == "none";
     for (const NamedSweep& sweep : compare_sweeps()) {
@@ -64,7 +64,9 @@ std::vector<SweepKind> sweep_kinds(const std::string& list) {
       kinds.push_back(sweep.kind);
       found = true;
     }
-    if (!found) throw Error(ErrorKind::bad_argument, "--sweep: '" + name + "' is none of none, all" + known);
+    if (!found) {
+      throw Error(ErrorKind::bad_argument, fmt::format("--sweep: '{}' is none of none, all{}", name, known));
+    }
   }
   return kinds;
 }

@@ -44,6 +44,7 @@ class Contender {
 
   void draw_again() {
     if (!failure_.empty()) return;
+    options_.statistics = false;
     try {
       milliseconds_.push_back(draw().stats.milliseconds);
     } catch (const Error& error) {
@@ -90,7 +91,7 @@ void take_turns(std::vector<Contender>& all, std::uint32_t frames) {
   }
 }
 
-// Bytes of the picture, and its fragments counted by pixel.
+// The exact picture, with the fragments of every pixel.
 RenderResult draw_exact(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                         Session& session, ComparedScene& compared) {
   RenderOptions exact = options.draw;
@@ -212,7 +213,7 @@ TechniqueInfo technique_info(const std::string& name) {
   std::string names = kCpu;
   for (const TechniqueInfo& technique : render_techniques()) {
     if (technique.name == name) return technique;
-    names += ", " + technique.name;
+    names.append(", ").append(technique.name);
   }
   if (name == kCpu) return cpu_technique();
   throw Error(ErrorKind::bad_argument,

@@ -20,7 +20,7 @@ constexpr double kLeastHeight = 240;  // of the plot
 constexpr double kCurveHeight = 16;   // room for a name
 constexpr double kBelow = 52;         // room for the axis
 constexpr std::size_t kNameLength = 15;
-constexpr double kMostDecades = 1.6;  // that have marks within them
+constexpr double kMostDecades = 2.4;  // that have marks within them
 
 class Plot {
  public:

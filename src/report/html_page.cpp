@@ -60,6 +60,7 @@ svg text{font-size:11px;fill:var(--soft)}
 .flip>input:checked+label+.views{display:grid}
 .scroll+.note{margin-top:12px}
 .half{max-width:560px}
+.flip+.note{margin-top:12px}
 .scroll>svg{display:block;width:100%;min-width:680px;height:auto}
 .sheet{display:grid;gap:12px 10px;overflow-x:auto;margin-top:16px}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 20px;font-size:14.5px;margin:14px 0 0}

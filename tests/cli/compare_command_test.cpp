@@ -30,9 +30,9 @@ TEST(CompareCommand, RefusesWhatMakesNoSense) {
 }
 
 #if defined(PELLUCID_WITH_RENDERER)
-// Few kernels, small pictures: the driver compiles each of them.
+// Few kernels, small pictures: the driver compiles each of them. What validation says would be on stderr.
 Arguments quick(const Arguments& more) {
-  Arguments arguments{"compare", "--plain-resolve", "--size", "96x64", "--frames", "2"};
+  Arguments arguments{"compare", "--validate", "--plain-resolve", "--size", "96x64", "--frames", "2"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -68,7 +68,8 @@ TEST(CompareCommand, TellsWhatTechniquesCapture) {
   EXPECT_LT(f2b["psnr"].get<double>(), ll["psnr"].get<double>());
   EXPECT_EQ(f2b["coplanar"], 0);
   // The reference works on its own fragments, which are the same up to rounding.
-  EXPECT_NEAR(cpu["total"].get<double>(), scene["fragments"].get<double>(), 0.02 * cpu["total"].get<double>());
+  EXPECT_NEAR(cpu["total"].get<double>(), scene["fragments"].get<double>(),
+              0.02 * cpu["total"].get<double>());
   EXPECT_GT(cpu["psnr"].get<double>(), 30);
   std::uint64_t fragments = 0;
   for (std::size_t n = 0; n < scene["pixels_by_depth"].size(); ++n)
@@ -86,8 +87,8 @@ TEST(CompareCommand, AnEffectThatTheSceneIsTooMuchForIsAnError) {
   const TemporaryFolder folder;
   const std::string bottles = folder.file("bottles.glb");
   ASSERT_EQ(run_pellucid({"sample", "bottles", "-o", bottles, "--detail", "0.02"}).code, 0);
-  const Finished done = run_pellucid(quick({bottles, "--techniques", "ll", "--effect", "self-collision",
-                                            "-o", folder.file("r.html")}));
+  const Finished done = run_pellucid(
+      quick({bottles, "--techniques", "ll", "--effect", "self-collision", "-o", folder.file("r.html")}));
   EXPECT_EQ(done.code, 2) << done.err;
   EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   EXPECT_EQ(folder.files().size(), 1U);
@@ -97,6 +98,7 @@ TEST(CompareCommand, SweepsAScene) {
   const Finished done = run_pellucid(quick({samples().plain, "--techniques", "ll,f2b", "--sweep",
                                             "coplanarity,depth,memory,resolution", "--json", "-"}));
   ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err, "");
   const nlohmann::json json = nlohmann::json::parse(done.out);
   EXPECT_EQ(first_violation(json, schema()), "");
   ASSERT_EQ(json["sweeps"].size(), 4U);
@@ -121,10 +123,9 @@ TEST(CompareCommand, SweepsAScene) {
 
 TEST(CompareCommand, InterruptedLeavesNothing) {
   const TemporaryFolder folder;
-  const Finished done =
-      interrupt_pellucid({"compare", samples().plain, "--frames", "1000", "-o", folder.file("r.html"),
-                          "--json", folder.file("r.json")},
-                         SIGINT, 0.6);
+  const Finished done = interrupt_pellucid({"compare", samples().plain, "--frames", "1000", "-o",
+                                            folder.file("r.html"), "--json", folder.file("r.json")},
+                                           SIGINT, 0.6);
   EXPECT_EQ(done.code, 130) << done.err;
   EXPECT_EQ(done.err, "pellucid: interrupted\n");
   EXPECT_TRUE(folder.files().empty());

@@ -31,7 +31,8 @@ CaptureStats stats_of(std::uint64_t captured, double milliseconds) {
   return stats;
 }
 
-ComparedTechnique technique(const std::string& name, bool exact, std::uint64_t captured, double milliseconds) {
+ComparedTechnique technique(const std::string& name, bool exact, std::uint64_t captured,
+                            double milliseconds) {
   return {name, "how " + name + " works", exact, "", stats_of(captured, milliseconds), PictureError{}, {}};
 }
 

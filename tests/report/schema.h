@@ -18,11 +18,13 @@ inline bool is_of_type(const nlohmann::json& value, const std::string& type) {
 }
 
 // The first violation of a JSON schema, for the keywords that the schema uses; "" if there is none.
-inline std::string first_violation(const nlohmann::json& value, const nlohmann::json& schema, const std::string& at = "$") {
+inline std::string first_violation(const nlohmann::json& value, const nlohmann::json& schema,
+                                   const std::string& at = "$") {
   if (schema.contains("type")) {
-    const nlohmann::json types = schema["type"].is_array() ? schema["type"] : nlohmann::json::array({schema["type"]});
-    const bool fits =
-        std::any_of(types.begin(), types.end(), [&](const nlohmann::json& type) { return is_of_type(value, type); });
+    const nlohmann::json types =
+        schema["type"].is_array() ? schema["type"] : nlohmann::json::array({schema["type"]});
+    const bool fits = std::any_of(types.begin(), types.end(),
+                                  [&](const nlohmann::json& type) { return is_of_type(value, type); });
     if (!fits) return at + ": wrong type";
   }
   if (schema.contains("const") && value != schema["const"]) return at + ": not the constant";

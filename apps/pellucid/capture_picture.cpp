@@ -129,7 +129,7 @@ void render_capture(const CapturePicture& picture, Session& session) {
   for (const std::string& note : notes) session.note(note);
   stop_if_signalled();
   const Camera camera = camera_from(picture.camera_text, model, scene, picture.width, picture.height);
-  if (picture.use_orders && picture.animation.empty()) drawn.sequence = drawing_sequence(scene, camera);
+  if (!picture.ignore_orders && picture.animation.empty()) drawn.sequence = drawing_sequence(scene, camera);
   RenderResult result;
   if (reference) {
     result = draw_reference(drawn, camera, picture.options);

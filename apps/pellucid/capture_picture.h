@@ -11,9 +11,9 @@ namespace pellucid::cli {
 
 struct CapturePicture {
   std::string input, output, camera_text;
-  std::string animation;   // by name or number; empty: at rest
-  double time = 0;         // in it, seconds
-  bool use_orders = true;  // draw in the sequence of the file's in-depth orders
+  std::string animation;       // by name or number; empty: at rest
+  double time = 0;             // in it, seconds
+  bool ignore_orders = false;  // else drawn in the sequence of the file's in-depth orders
   RenderOptions options;
   DeviceOptions device;
   Surfaces surfaces = Surfaces::uniform;

@@ -23,9 +23,8 @@ std::uint32_t find_clip(const PosableModel& posable, const std::string& path, co
   std::uint32_t number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
   if (error == std::errc{} && end == name.data() + name.size() && number < clips.size()) return number;
-  throw Error(ErrorKind::bad_argument,
-              fmt::format("--animation: {} has no animation '{}'; there is {}", path, name,
-                          names.empty() ? "none" : names));
+  throw Error(ErrorKind::bad_argument, fmt::format("--animation: {} has no animation '{}'; there is {}", path,
+                                                   name, names.empty() ? "none" : names));
 }
 
 // For every vertex the first one that is the same point of a smooth surface: of the same place and normal.
@@ -46,9 +45,9 @@ std::vector<std::uint32_t> smooth_points(const Mesh& mesh) {
 Mesh posed_part(const Scene& scene, const SceneObject& object, const Mesh& local,
                 std::span<const Vec3f> positions) {
   Mesh mesh;
-  mesh.positions.assign(positions.begin() + object.first_vertex,
-                        positions.begin() + object.first_vertex +
-                            static_cast<std::ptrdiff_t>(local.positions.size()));
+  mesh.positions.assign(
+      positions.begin() + object.first_vertex,
+      positions.begin() + object.first_vertex + static_cast<std::ptrdiff_t>(local.positions.size()));
   for (std::size_t t = 0; t < local.triangles.size(); ++t) {
     Triangle triangle = scene.mesh.triangles[object.first_triangle + t];
     for (std::uint32_t& vertex : triangle) vertex -= object.first_vertex;
@@ -96,8 +95,7 @@ void pose_scene(const Model& model, const std::string& animation, double time, S
     turn_as(posable.triangles()[part.first_triangle], model.primitives[object.primitive].mesh.triangles[0],
             object, primitive.mesh.triangles.size(), scene);
     set_normals(primitive.mesh, posed_part(scene, object, primitive.mesh, scene.mesh.positions),
-                std::span(scene.mesh.normals)
-                    .subspan(object.first_vertex, static_cast<std::size_t>(count)));
+                std::span(scene.mesh.normals).subspan(object.first_vertex, static_cast<std::size_t>(count)));
   }
   scene.sphere = bounding_sphere(scene.mesh);
 }

@@ -172,7 +172,7 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->needs(animation)
       ->type_name("S")
       ->capture_default_str();
-  command->add_flag("!--ignore-orders", o.capture.use_orders,
+  command->add_flag("--ignore-orders", o.capture.ignore_orders,
                     "Draw triangles as they are stored, not in the sequence of the file's orders");
   command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
   add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},

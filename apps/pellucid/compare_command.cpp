@@ -104,13 +104,13 @@ void run_compare(const CompareCommand& command, Session& session) {
   const Stopwatch watch;
   if (!command.page.empty()) check_writable(command.page);
   session.check_json();
-  const ComparisonOptions options = options_of(command);
   const std::vector<SweepKind> sweeps = sweep_kinds(command.sweeps);
   if (command.inputs.empty() && sweeps.empty())
     throw Error(ErrorKind::bad_argument, "no model given (see pellucid compare --help)");
   const CapturePicture picture = picture_of(command);
   parse_camera(command.camera);
   Renderer renderer(picture.device);
+  const ComparisonOptions options = options_of(command);
   CompareReport report = new_report(command, renderer.info());
 
   std::optional<DrawnScene> first;

@@ -251,6 +251,7 @@ class CurveChart {
       if (last > 0) labels.push_back({row, axis_.at(last), 0});
     }
     std::vector<double> ends;
+    ends.reserve(labels.size());
     for (const Label& label : labels) ends.push_back(label.end);
     const std::vector<double> heights = spread_labels(ends, kTop, kBottom);
     for (std::size_t i = 0; i < labels.size(); ++i) labels[i].y = heights[i];

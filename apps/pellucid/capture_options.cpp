@@ -29,7 +29,8 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
-  command.add_flag("--cull", options.cull, "Techniques that peel: do not draw again what is peeled completely");
+  command.add_flag("--cull", options.cull,
+                   "Techniques that peel: do not draw again what is peeled completely");
   command.add_flag("--plain-resolve", options.plain_resolve,
                    "Sort as is common, by insertion into a local array of 128: to measure against");
   command.add_option("--device", picture.device.device, "Vulkan device, by a part of its name")

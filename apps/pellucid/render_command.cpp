@@ -18,12 +18,12 @@
 namespace pellucid::cli {
 namespace {
 
-enum class Picture { exact, buffers, original, centroid, error };
+enum class OrderPicture { exact, buffers, original, centroid, error };
 
 struct RenderCommand {
   std::string input, output;
   std::string technique = "cpu";
-  Picture picture = Picture::exact;
+  OrderPicture picture = OrderPicture::exact;
   std::string picture_name = "exact";
   std::string camera = "30,20,3";
   std::string size = "1280x720";
@@ -31,9 +31,9 @@ struct RenderCommand {
   CapturePicture capture;
 };
 
-DrawOrder draw_order(Picture picture) {
-  if (picture == Picture::original) return DrawOrder::original;
-  return picture == Picture::centroid ? DrawOrder::centroid : DrawOrder::buffers;
+DrawOrder draw_order(OrderPicture picture) {
+  if (picture == OrderPicture::original) return DrawOrder::original;
+  return picture == OrderPicture::centroid ? DrawOrder::centroid : DrawOrder::buffers;
 }
 
 void require_orders(const Scene& scene, const std::string& path) {
@@ -51,7 +51,7 @@ bool draws_orders(const RenderCommand& options) {
 }
 
 void run_capture(const RenderCommand& options, Session& session) {
-  if (options.picture != Picture::exact) {
+  if (options.picture != OrderPicture::exact) {
     throw Error(ErrorKind::bad_argument, "--order " + options.picture_name +
                                              " is drawn with --technique cpu, --effect transparency and "
                                              "--surfaces uniform, without --animation and --camera file:");
@@ -82,7 +82,7 @@ void run_render(const RenderCommand& options, Session& session) {
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);
   const Scene scene = make_scene(read_model(options.input));
-  if (options.picture == Picture::buffers || options.picture == Picture::error) {
+  if (options.picture == OrderPicture::buffers || options.picture == OrderPicture::error) {
     require_orders(scene, options.input);
   }
   stop_if_signalled();
@@ -93,13 +93,13 @@ void run_render(const RenderCommand& options, Session& session) {
   const std::uint64_t covered = fragments.covered_pixels();
   PixelCount wrong{covered, 0};
   Image image;
-  if (options.picture == Picture::exact) {
+  if (options.picture == OrderPicture::exact) {
     image = shade_exact(scene.mesh, camera, fragments, options.shading);
   } else {
     const std::vector<std::uint32_t> ranks =
         scene_ranks(scene, draw_order(options.picture), camera, viewpoint);
     wrong = count_incorrect_pixels(fragments, ranks);
-    image = options.picture == Picture::error
+    image = options.picture == OrderPicture::error
                 ? error_image(fragments, ranks)
                 : shade_ordered(scene.mesh, camera, fragments, ranks, options.shading);
   }
@@ -151,11 +151,11 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->capture_default_str();
   add_capture_options(*command, o.capture);
   add_choice(*command, "--order", o.picture,
-             {{"exact", Picture::exact},
-              {"buffers", Picture::buffers},
-              {"original", Picture::original},
-              {"centroid", Picture::centroid},
-              {"error", Picture::error}},
+             {{"exact", OrderPicture::exact},
+              {"buffers", OrderPicture::buffers},
+              {"original", OrderPicture::original},
+              {"centroid", OrderPicture::centroid},
+              {"error", OrderPicture::error}},
              "How fragments are blended (default exact); error: wrong pixels of the buffers in red")
       ->each([&o](const std::string& name) { o.picture_name = name; });
   command

@@ -10,13 +10,6 @@ namespace {
 constexpr std::array<std::uint32_t, 36> kFarSides{0, 3, 2, 0, 1, 3, 4, 7, 5, 4, 6, 7, 0, 6, 4, 0, 2, 6,
                                                   1, 7, 3, 1, 5, 7, 0, 5, 1, 0, 4, 5, 2, 7, 6, 2, 3, 7};
 
-template <class T>
-Buffer make_buffer(Context& context, const std::string& name, const std::vector<T>& values) {
-  Buffer buffer(context, name, values.size() * sizeof(T));
-  upload<T>(context, buffer, values);
-  return buffer;
-}
-
 OwnedQueryPool make_queries(Context& context, std::size_t count) {
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .queryType = VK_QUERY_TYPE_OCCLUSION,
@@ -41,9 +34,10 @@ Culling::Culling(const Frame& frame) {
     }
   }
   Context& context = frame.context;
-  corners_ = make_buffer(context, "boxes", corners);
-  bounds_ = make_buffer(context, "bounds of boxes", bounds);
-  indices_ = make_buffer(context, "sides of a box", std::vector<std::uint32_t>(kFarSides.begin(), kFarSides.end()));
+  corners_ = make_filled(context, "boxes", corners);
+  bounds_ = make_filled(context, "bounds of boxes", bounds);
+  indices_ =
+      make_filled(context, "sides of a box", std::vector<std::uint32_t>(kFarSides.begin(), kFarSides.end()));
   predicates_ = Buffer(context, "results of queries", 4 * groups_.size());
   queries_ = make_queries(context, groups_.size());
 }
@@ -66,7 +60,8 @@ void Culling::test(const Frame& frame, Recorder& recorder, std::string_view shad
                        .predicates = predicates_,
                        .queries = queries_.get(),
                        .count = static_cast<std::uint32_t>(groups_.size())},
-                      frame.pipelines.scene({.fragment_shader = shader, .clamp_depth = true}), frame.attachments());
+                      frame.pipelines.scene({.fragment_shader = shader, .clamp_depth = true}),
+                      frame.attachments());
 }
 
 std::uint64_t Culling::triangles_left(Context& context) const {

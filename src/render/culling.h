@@ -1,10 +1,10 @@
 // culling.h - triangles that are peeled completely are not drawn again.
 //
-// The scene's triangles are drawn in groups of neighbours. After a round of peeling the box of each group is drawn
-// against the layers that the round left, with an occlusion query; the next round draws a group only if a sample of its
-// box may still have fragments (conditional rendering: the CPU waits for nothing). The box of a culled group is not drawn
-// either, so its query finds nothing again: culled stays culled. Section 4.3 of the depth-fighting paper, for parts of
-// objects instead of objects.
+// The scene's triangles are drawn in groups of neighbours. After a round of peeling the box of each group is
+// drawn against the layers that the round left, with an occlusion query; the next round draws a group only if
+// a sample of its box may still have fragments (conditional rendering: the CPU waits for nothing). The box of
+// a culled group is not drawn either, so its query finds nothing again: culled stays culled. Section 4.3 of
+// the depth-fighting paper, for parts of objects instead of objects.
 #pragma once
 
 #include <span>

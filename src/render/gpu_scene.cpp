@@ -67,13 +67,6 @@ Triangle smallest_corner_first(const Triangle& t, const std::vector<Vec3f>& posi
   return t;
 }
 
-template <class T>
-Buffer make_buffer(Context& context, const std::string& name, const std::vector<T>& values) {
-  Buffer buffer(context, name, values.size() * sizeof(T));
-  upload<T>(context, buffer, values);
-  return buffer;
-}
-
 // What each surface means for a triangle's place in the sequence.
 struct Sequence {
   std::vector<std::uint32_t> triangles;
@@ -232,17 +225,17 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
   for (const Surface& s : scene.surfaces) surfaces.push_back(gpu_surface(s));
 
   GpuScene gpu;
-  gpu.positions = make_buffer(context, "scene's positions", scene.positions);
-  gpu.normals = make_buffer(context, "scene's normals", scene.normals);
-  gpu.indices = make_buffer(context, "scene's triangles", triangles);
-  gpu.triangles = make_buffer(context, "scene's triangle numbers", infos);
-  gpu.objects = make_buffer(context, "scene's objects", scene.objects);
-  gpu.surfaces = make_buffer(context, "scene's surfaces", surfaces);
+  gpu.positions = make_filled(context, "scene's positions", scene.positions);
+  gpu.normals = make_filled(context, "scene's normals", scene.normals);
+  gpu.indices = make_filled(context, "scene's triangles", triangles);
+  gpu.triangles = make_filled(context, "scene's triangle numbers", infos);
+  gpu.objects = make_filled(context, "scene's objects", scene.objects);
+  gpu.surfaces = make_filled(context, "scene's surfaces", surfaces);
   if (!scene.texcoords.empty() || !scene.colors.empty())
-    gpu.attributes = make_buffer(context, "scene's vertex colours", attributes_of(scene));
+    gpu.attributes = make_filled(context, "scene's vertex colours", attributes_of(scene));
   if (!scene.textures.empty())
     gpu.textures =
-        make_buffer(context, "scene's textures", texture_words(make_texture_levels(scene.textures)));
+        make_filled(context, "scene's textures", texture_words(make_texture_levels(scene.textures)));
   gpu.object_count = static_cast<std::uint32_t>(scene.surfaces.size());
   gpu.all_groups = groups_of(scene, sequence);
   gpu.all_ranges = std::move(sequence.ranges);

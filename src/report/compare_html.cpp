@@ -13,8 +13,6 @@
 namespace pellucid {
 namespace {
 
-constexpr const char* kNone = "\u2013";
-
 // The exact picture in the place of another as long as that one is held.
 constexpr const char* kHoldScript = R"(<script>
 for (const flip of document.querySelectorAll('.flip')) {
@@ -34,10 +32,6 @@ for (const flip of document.querySelectorAll('.flip')) {
 
 std::string name_of(const std::string& input) {
   return std::filesystem::path(input).filename().string();
-}
-
-std::string plural(std::uint64_t count, const std::string& word) {
-  return format_count(count) + " " + word + (count == 1 ? "" : "s");
 }
 
 std::string title_of(const CompareReport& report) {
@@ -90,17 +84,17 @@ std::string row_of(const ComparedTechnique& technique, const ComparedScene& scen
   const double ratio = fastest == nullptr ? NAN : stats.milliseconds / fastest->stats.milliseconds;
   const auto cell = [&](const std::string& value) { text += "<td>" + value + "</td>"; };
   cell(format_fixed(stats.milliseconds, 1));
-  cell(std::isfinite(ratio) ? format_fixed(ratio, 2) : kNone);
+  cell(std::isfinite(ratio) ? format_fixed(ratio, 2) : kNoValue);
   cell(std::to_string(stats.geometry_passes));
-  cell(stats.rounds > 0 ? std::to_string(stats.rounds) : kNone);
+  cell(stats.rounds > 0 ? std::to_string(stats.rounds) : kNoValue);
   cell(format_bytes(stats.bytes));
   cell(format_fixed(static_cast<double>(stats.bytes) / (static_cast<double>(scene.width) * scene.height), 1));
   cell(format_count(stats.captured));
   cell(format_fixed(stats.captured_share(), 4));
   cell(format_count(stats.overflowed));
   cell(format_count(stats.coplanar));
-  cell(technique.error ? format_fixed(technique.error->psnr, 1) : kNone);
-  cell(technique.error ? format_fixed(technique.error->largest, 4) : kNone);
+  cell(technique.error ? format_fixed(technique.error->psnr, 1) : kNoValue);
+  cell(technique.error ? format_fixed(technique.error->largest, 4) : kNoValue);
   return text + "</tr>\n";
 }
 

@@ -11,7 +11,7 @@ namespace {
 // What can be told apart in a picture of 8 bits a channel.
 constexpr double kStep = 1.0 / 255;
 // Steps that are as dark red as any more.
-constexpr double kMostSteps = 64;
+constexpr double kMostColorSteps = 64;
 
 std::array<double, 3> encoded(const Vec3f& linear) {
   return {srgb_from_linear(double{linear.x}), srgb_from_linear(double{linear.y}),
@@ -22,7 +22,7 @@ std::array<std::uint8_t, 3> difference_color(int steps) {
   if (steps == 0) return {255, 255, 255};
   constexpr std::array<double, 3> kPale{253, 224, 200};
   constexpr std::array<double, 3> kDark{140, 10, 40};
-  const double t = std::min(1.0, std::sqrt(steps / kMostSteps));
+  const double t = std::min(1.0, std::sqrt(steps / kMostColorSteps));
   std::array<std::uint8_t, 3> color{};
   for (std::size_t c = 0; c < 3; ++c)
     color.at(c) = static_cast<std::uint8_t>(std::lround(std::lerp(kPale.at(c), kDark.at(c), t)));

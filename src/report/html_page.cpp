@@ -113,6 +113,10 @@ std::string escape_html(std::string_view text) {
   return safe;
 }
 
+std::string plural(std::uint64_t count, const std::string& word) {
+  return format_count(count) + " " + word + (count == 1 ? "" : "s");
+}
+
 std::string tile(const std::string& value, const std::string& label) {
   return fmt::format("<div><b>{}</b><span>{}</span></div>", escape_html(value), escape_html(label));
 }

@@ -14,6 +14,12 @@ std::string html_page(const std::string& title, const std::string& content);
 // A number and what it says, for <div class="tiles">.
 std::string tile(const std::string& value, const std::string& label);
 
+// Where a table has no value: an en dash.
+constexpr const char* kNoValue = "\u2013";
+
+// "1 frame", "12,000 frames".
+std::string plural(std::uint64_t count, const std::string& word);
+
 // A picture as a data URI, with its caption.
 std::string figure(const std::string& caption, std::span<const std::uint8_t> png);
 

@@ -12,22 +12,22 @@
 namespace pellucid {
 namespace {
 
-constexpr double kWidth = 960;
-constexpr double kLeft = 60;
-constexpr double kRight = 800;  // names of the curves stand to the right
-constexpr double kTop = 60;
-constexpr double kBottom = 300;
-constexpr double kHeight = 334;
+constexpr double kChartWidth = 960;
+constexpr double kChartLeft = 60;
+constexpr double kChartRight = 800;  // names of the curves stand to the right
+constexpr double kChartTop = 60;
+constexpr double kChartBottom = 300;
+constexpr double kChartHeight = 334;
 constexpr double kBarLeft = 150;  // names of the bars stand to the left
 constexpr double kBarPitch = 30;
 constexpr double kBarHeight = 18;
-constexpr int kMostSteps = 5;          // of an axis
+constexpr int kMostAxisSteps = 5;      // of an axis
 constexpr double kLeastExcess = 0.01;  // that an axis goes to
 constexpr std::size_t kMostBins = 300;
-constexpr std::size_t kNameLength = 15;  // of rows, characters
-constexpr double kCharacter = 7.2;       // mean width at 12 pixels
-constexpr double kClipRoom = 84;         // for the name of a clip, even where the clip is narrower
-constexpr double kSeparatorGap = 6;      // clips closer than this have separators only beside their names
+constexpr std::size_t kRowNameLength = 15;  // of rows, characters
+constexpr double kCharacter = 7.2;          // mean width at 12 pixels
+constexpr double kClipRoom = 84;            // for the name of a clip, even where the clip is narrower
+constexpr double kSeparatorGap = 6;         // clips closer than this have separators only beside their names
 
 // Key frames begin .. end - 1, of one clip: all of it (a segment of the axis) or some (a point of a curve).
 struct FrameRange {
@@ -83,7 +83,7 @@ class Axis {
     const double power = std::pow(10.0, std::floor(std::log10(excess)) - 1);
     for (const double factor : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
       step_ = factor * power;
-      if (excess <= kMostSteps * step_ * (1 + 1e-9)) break;
+      if (excess <= kMostAxisSteps * step_ * (1 + 1e-9)) break;
     }
     steps_ = static_cast<int>(std::ceil(excess / step_ - 1e-9));
     digits_ = std::max(1, static_cast<int>(-std::floor(std::log10(step_) + 1e-9)));
@@ -103,14 +103,14 @@ class Axis {
 };
 
 // Curves over key frames.
-class CurveChart {
+class OverdrawCurves {
  public:
-  CurveChart(const OverdrawReport& report, std::size_t frames)
+  OverdrawCurves(const OverdrawReport& report, std::size_t frames)
       : report_(report),
         frames_(frames),
         clips_(clip_ranges(report, frames)),
         means_(means()),
-        axis_(most(), kBottom, kTop) {}
+        axis_(most(), kChartBottom, kChartTop) {}
 
   [[nodiscard]] std::string svg() const { return titles() + grid() + clip_names() + curves(); }
 
@@ -143,7 +143,7 @@ class CurveChart {
 
   // Frame f is the stretch from x(f) to x(f + 1).
   [[nodiscard]] double x(double frame) const {
-    return kLeft + (kRight - kLeft) * frame / static_cast<double>(frames_);
+    return kChartLeft + (kChartRight - kChartLeft) * frame / static_cast<double>(frames_);
   }
 
   [[nodiscard]] std::string titles() const {
@@ -158,8 +158,8 @@ class CurveChart {
     std::string svg;
     for (int i = 0; i <= axis_.steps(); ++i) {
       const double y = axis_.at(axis_.tick(i));
-      svg += line_svg(kLeft, y, kRight, y, i == 0 ? "axis" : "grid");
-      svg += text_svg(kLeft - 8, y + 4, "end", "small soft", axis_.label(i));
+      svg += line_svg(kChartLeft, y, kChartRight, y, i == 0 ? "axis" : "grid");
+      svg += text_svg(kChartLeft - 8, y + 4, "end", "small soft", axis_.label(i));
     }
     return svg;
   }
@@ -198,17 +198,17 @@ class CurveChart {
 
   [[nodiscard]] std::string clip_names() const {
     std::string svg;
-    const bool has_room = (kRight - kLeft) / static_cast<double>(clips_.size()) >= kSeparatorGap;
+    const bool has_room = (kChartRight - kChartLeft) / static_cast<double>(clips_.size()) >= kSeparatorGap;
     for (const FrameRange& clip : clips_) {
       const double left = x(static_cast<double>(clip.begin));
-      if (has_room && clip.begin > 0) svg += line_svg(left, kTop, left, kBottom, "clip");
+      if (has_room && clip.begin > 0) svg += line_svg(left, kChartTop, left, kChartBottom, "clip");
     }
     for (const ClipName& name : placed_names()) {
       if (name.frame > 0)
-        svg += line_svg(name.left, has_room ? kBottom : kTop, name.left, kBottom + 22, "clip");
+        svg += line_svg(name.left, has_room ? kChartBottom : kChartTop, name.left, kChartBottom + 22, "clip");
       const auto characters = static_cast<std::size_t>((name.right - name.left - 10) / kCharacter + 1e-6);
       svg += fmt::format("<g><title>{}</title>\n{}</g>\n", escape_html(name.text),
-                         text_svg(name.left + 4, kBottom + 19, "start", "small soft",
+                         text_svg(name.left + 4, kChartBottom + 19, "start", "small soft",
                                   abbreviated(name.text, std::max<std::size_t>(characters, 1))));
     }
     return svg;
@@ -253,7 +253,7 @@ class CurveChart {
     std::vector<double> ends;
     ends.reserve(labels.size());
     for (const Label& label : labels) ends.push_back(label.end);
-    const std::vector<double> heights = spread_labels(ends, kTop, kBottom);
+    const std::vector<double> heights = spread_labels(ends, kChartTop, kChartBottom);
     for (std::size_t i = 0; i < labels.size(); ++i) labels[i].y = heights[i];
     return labels;
   }
@@ -269,10 +269,10 @@ class CurveChart {
       const OverdrawRow& shown = report_.rows[row];
       for (const Label& label : labels) {
         if (label.row != row) continue;
-        content += line_svg(kRight + 2, label.end, kRight + 14, label.y, "leader");
+        content += line_svg(kChartRight + 2, label.end, kChartRight + 14, label.y, "leader");
         content +=
-            text_svg(kRight + 18, label.y + 4, "start", "",
-                     abbreviated(shown.name, kNameLength) + " " + format_fixed(shown.key_frames.mean, 3));
+            text_svg(kChartRight + 18, label.y + 4, "start", "",
+                     abbreviated(shown.name, kRowNameLength) + " " + format_fixed(shown.key_frames.mean, 3));
       }
       svg += group_svg(row, row == 0, shown.name, content);
     }
@@ -290,22 +290,22 @@ std::string bars_svg(const OverdrawReport& report, double bottom) {
   double most = 1;
   for (const OverdrawRow& row : report.rows)
     if (is_seen(row.key_frames.mean)) most = std::max(most, row.key_frames.mean);
-  const Axis axis(most, kBarLeft, kRight);
+  const Axis axis(most, kBarLeft, kChartRight);
   std::string svg = text_svg(20, 24, "start", "", "Mean overdraw (1 is the least)");
   for (int i = 0; i <= axis.steps(); ++i) {
     const double x = axis.at(axis.tick(i));
-    svg += line_svg(x, kTop - 16, x, bottom, i == 0 ? "axis" : "grid");
+    svg += line_svg(x, kChartTop - 16, x, bottom, i == 0 ? "axis" : "grid");
     svg += text_svg(x, bottom + 18, "middle", "small soft", axis.label(i));
   }
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const OverdrawRow& row = report.rows[i];
-    const double y = kTop - 10 + kBarPitch * static_cast<double>(i);
+    const double y = kChartTop - 10 + kBarPitch * static_cast<double>(i);
     const bool seen = is_seen(row.key_frames.mean);
     const double end = seen ? axis.at(row.key_frames.mean) : kBarLeft;
     svg += group_svg(i, i == 0, row.name,
                      fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
                                  kBarLeft, y, end - kBarLeft, kBarHeight) +
-                         text_svg(kBarLeft - 10, y + 14, "end", "", abbreviated(row.name, kNameLength)) +
+                         text_svg(kBarLeft - 10, y + 14, "end", "", abbreviated(row.name, kRowNameLength)) +
                          text_svg(end + 8, y + 14, "start", "",
                                   seen ? format_fixed(row.key_frames.mean, 3) : "nothing seen"));
   }
@@ -322,14 +322,14 @@ std::size_t charted_frames(const OverdrawReport& report) {
 
 std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
   const std::size_t frames = charted_frames(report);
-  const double bars_bottom = kTop - 10 + kBarPitch * static_cast<double>(report.rows.size());
-  double height = kHeight;
+  const double bars_bottom = kChartTop - 10 + kBarPitch * static_cast<double>(report.rows.size());
+  double height = kChartHeight;
   std::string content;
   if (report.rows.empty()) {
-    height = kTop;
+    height = kChartTop;
     content = text_svg(20, 24, "start", "", "Nothing was measured.");
   } else if (frames > 1) {
-    content = CurveChart(report, frames).svg();
+    content = OverdrawCurves(report, frames).svg();
   } else {
     height = bars_bottom + 30;
     content = bars_svg(report, bars_bottom);
@@ -338,8 +338,8 @@ std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
       "<svg{} viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
       "aria-label=\"Mean overdraw, key frame by key frame\" class=\"chart\">\n{}\n<rect "
       "width=\"100%\" height=\"100%\" class=\"ground\"/>\n{}</svg>\n",
-      place == ChartPlace::file ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", kWidth, height, kWidth,
-      height, kChartStyle, content);
+      place == ChartPlace::file ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", kChartWidth, height,
+      kChartWidth, height, kChartStyle, content);
 }
 
 std::string overdraw_chart(const OverdrawReport& report) {

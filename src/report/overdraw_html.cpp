@@ -12,8 +12,6 @@
 namespace pellucid {
 namespace {
 
-constexpr const char* kNone = "\u2013";
-
 double excess_of(const OverdrawRow& row) {
   return row.key_frames.mean - 1;
 }
@@ -28,20 +26,16 @@ const OverdrawRow* reference_row(const OverdrawReport& report) {
 }
 
 std::string overdraw_text(double overdraw) {
-  return overdraw > 0 ? format_fixed(overdraw, 3) : kNone;
+  return overdraw > 0 ? format_fixed(overdraw, 3) : kNoValue;
 }
 
 std::string share_text(const OverdrawRow& row, const OverdrawRow& reference) {
   const bool is_defined = row.key_frames.mean > 0 && excess_of(reference) > 0;
-  return is_defined ? fmt::format("{:.0f} %", 100 * excess_of(row) / excess_of(reference)) : kNone;
+  return is_defined ? fmt::format("{:.0f} %", 100 * excess_of(row) / excess_of(reference)) : kNoValue;
 }
 
 std::string title_of(const OverdrawReport& report) {
   return report.input.empty() ? "overdraw" : std::filesystem::path(report.input).filename().string();
-}
-
-std::string plural(std::uint64_t count, const std::string& word) {
-  return format_count(count) + " " + word + (count == 1 ? "" : "s");
 }
 
 std::string headline(const OverdrawReport& report) {
@@ -106,12 +100,12 @@ std::string table(const OverdrawReport& report) {
     text += fmt::format("<tr{}><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
                         i == 0 ? " class=\"ours\"" : "", escape_html(row.name), format_count(row.buffers),
                         format_fixed(row.acmr, 3), overdraw_text(row.key_frames.mean),
-                        is_seen ? format_fixed(excess_of(row), 3) : kNone);
+                        is_seen ? format_fixed(excess_of(row), 3) : kNoValue);
     if (reference != nullptr) text += "<td>" + share_text(row, *reference) + "</td>";
     text += "<td>" + overdraw_text(row.key_frames.max) + "</td>";
     if (has_between) {
-      text += fmt::format("<td>{}</td><td>{}</td>", row.between ? overdraw_text(row.between->mean) : kNone,
-                          row.between ? overdraw_text(row.between->max) : kNone);
+      text += fmt::format("<td>{}</td><td>{}</td>", row.between ? overdraw_text(row.between->mean) : kNoValue,
+                          row.between ? overdraw_text(row.between->max) : kNoValue);
     }
     text += "</tr>\n";
   }

@@ -258,8 +258,7 @@ TEST_F(Bounded, BlendingIsRightInTheRightSequenceOnly) {
     EXPECT_EQ(blended.stats.captured, exact.stats.captured);
     float largest = 0;
     for (std::size_t i = 0; i < exact.pixels.size(); ++i) {
-      const Vec3f d = exact.pixels[i] - blended.pixels[i];
-      largest = std::max({largest, std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+      largest = std::max(largest, testing::difference(exact.pixels[i], blended.pixels[i]));
     }
     return largest;
   };

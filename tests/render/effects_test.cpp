@@ -25,10 +25,6 @@ float tolerance(Effect effect) {
   return effect == Effect::transparency || effect == Effect::wireframe ? 1e-5F + 2.0F / 16384 : 0.0F;
 }
 
-float difference(const Vec3f& a, const Vec3f& b) {
-  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
-}
-
 // All with the same k: it is a constant of the kernels, and compiling is most of what these tests take.
 class Pictures : public ::testing::TestWithParam<std::string> {
  protected:
@@ -56,7 +52,7 @@ class Pictures : public ::testing::TestWithParam<std::string> {
     EXPECT_EQ(result.stats.coplanar_pixels, expected.stats.coplanar_pixels);
     float largest = 0;
     for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
-      largest = std::max(largest, difference(result.pixels[i], expected.pixels[i]));
+      largest = std::max(largest, testing::difference(result.pixels[i], expected.pixels[i]));
     }
     EXPECT_LE(largest, tolerance(options.effect))
         << GetParam() << ", " << render_effects()[static_cast<std::size_t>(options.effect)].name;

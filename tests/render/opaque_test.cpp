@@ -78,10 +78,6 @@ class Opaque : public ::testing::TestWithParam<TechniqueInfo> {
   void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
 };
 
-float difference(const Vec3f& a, const Vec3f& b) {
-  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
-}
-
 // The same number of fragments in every pixel or, where a technique keeps only some, none that is not there.
 void expect_fragments(const CapturedFragments& captured, const CapturedFragments& expected, bool all) {
   ASSERT_EQ(captured.offsets.size(), expected.offsets.size());
@@ -116,7 +112,7 @@ TEST_P(Opaque, StacksAsOnTheCpu) {
     if (!all) continue;
     std::size_t far = 0;
     for (std::size_t p = 0; p < drawn.pixels.size(); ++p)
-      far += difference(drawn.pixels[p], expected.pixels[p]) > 0.02F ? 1U : 0U;
+      far += testing::difference(drawn.pixels[p], expected.pixels[p]) > 0.02F ? 1U : 0U;
     EXPECT_LE(far, 1U);
   }
 }
@@ -168,7 +164,7 @@ TEST_F(OpaquePictures, OfNothingElse) {
   EXPECT_EQ(drawn.stats.fragments, 0U);
   std::size_t far = 0;
   for (std::size_t p = 0; p < drawn.pixels.size(); ++p)
-    far += difference(drawn.pixels[p], expected.pixels[p]) > 0.02F ? 1U : 0U;
+    far += testing::difference(drawn.pixels[p], expected.pixels[p]) > 0.02F ? 1U : 0U;
   EXPECT_LE(far, 5U);
 }
 

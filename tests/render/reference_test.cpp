@@ -102,10 +102,6 @@ class OnDevice : public ::testing::TestWithParam<NamedEffect> {
   void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
 };
 
-double largest_difference(const Vec3f& a, const Vec3f& b) {
-  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
-}
-
 // Colours of fragments are rounded on the device; a pixel in a thousand may have an edge that falls the other
 // way.
 void expect_as_reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options) {
@@ -118,7 +114,7 @@ void expect_as_reference(const RenderScene& scene, const Camera& camera, const R
   ASSERT_EQ(drawn.pixels.size(), expected.pixels.size());
   std::size_t far = 0;
   for (std::size_t p = 0; p < drawn.pixels.size(); ++p) {
-    if (largest_difference(drawn.pixels[p], expected.pixels[p]) > 0.02) ++far;
+    if (testing::difference(drawn.pixels[p], expected.pixels[p]) > 0.02F) ++far;
   }
   EXPECT_LE(far, 1 + drawn.pixels.size() / 1000);
 }

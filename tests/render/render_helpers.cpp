@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
@@ -165,6 +166,10 @@ FragmentBuffer cpu_fragments(const RenderScene& scene, const Camera& camera) {
   FragmentBuffer fragments;
   rasterize(mesh, camera, {}, fragments);
   return fragments;
+}
+
+float difference(const Vec3f& a, const Vec3f& b) {
+  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
 
 std::vector<Fragment> pixel_of(const CapturedFragments& captured, std::size_t pixel) {

@@ -34,6 +34,9 @@ Camera unit_camera(std::uint32_t width, std::uint32_t height);
 // The oracle: all fragments of the scene.
 FragmentBuffer cpu_fragments(const RenderScene& scene, const Camera& camera);
 
+// The largest of a channel.
+float difference(const Vec3f& a, const Vec3f& b);
+
 // Fragments of a pixel, coincident ones by their ids.
 std::vector<Fragment> pixel_of(const CapturedFragments& captured, std::size_t pixel);
 

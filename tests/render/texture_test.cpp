@@ -40,15 +40,11 @@ Vec3f lit(const Vec3f& color) {
   return draw_reference(scene, testing::unit_camera(2, 2), {}).pixels[0];
 }
 
-double difference(const Vec3f& a, const Vec3f& b) {
-  return static_cast<double>(std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)}));
-}
-
 void expect_colors(const RenderScene& scene, const std::vector<Vec3f>& colors) {
   const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(colors.size())));
   const RenderResult result = draw_reference(scene, testing::unit_camera(side, side), {});
   for (std::size_t p = 0; p < colors.size(); ++p)
-    EXPECT_LT(difference(result.pixels[p], lit(colors[p])), 0.05) << "pixel " << p;
+    EXPECT_LT(testing::difference(result.pixels[p], lit(colors[p])), 0.05F) << "pixel " << p;
 }
 
 TEST(TextureReference, TexelsLieFromTheUpperLeft) {
@@ -157,7 +153,7 @@ TEST_P(TexturesOnDevice, AreThoseOfTheReference) {
                   0.005 * static_cast<double>(expected.stats.fragments));
       std::size_t far = 0;
       for (std::size_t p = 0; p < drawn.pixels.size(); ++p)
-        far += difference(drawn.pixels[p], expected.pixels[p]) > 0.02 ? 1U : 0U;
+        far += testing::difference(drawn.pixels[p], expected.pixels[p]) > 0.02F ? 1U : 0U;
       EXPECT_LE(far, drawn.pixels.size() / 100) << technique;
     }
   }

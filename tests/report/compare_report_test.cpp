@@ -36,7 +36,7 @@ ComparedTechnique technique(const std::string& name, bool exact, std::uint64_t c
   return {name, "how " + name + " works", exact, "", stats_of(captured, milliseconds), PictureError{}, {}};
 }
 
-CompareReport sample_report(const std::string& name = "stack") {
+CompareReport sample_comparison(const std::string& name = "stack") {
   CompareReport report;
   report.device.name = name + " GPU";
   report.device.driver = "driver";
@@ -69,7 +69,7 @@ CompareReport sample_report(const std::string& name = "stack") {
   return report;
 }
 
-std::size_t count_of(const std::string& text, const std::string& what) {
+std::size_t occurrences(const std::string& text, const std::string& what) {
   std::size_t count = 0;
   for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += what.size()) ++count;
   return count;
@@ -105,7 +105,7 @@ TEST(PictureErrors, ShowWhereAndHowMuch) {
 // ----------------------------------------------------------------------------------------------------- text
 
 TEST(CompareReport, RatiosAreToTheFastestThatCapturesAll) {
-  const CompareReport report = sample_report();
+  const CompareReport report = sample_comparison();
   // `sb` is faster, but lost some; `f2b` does not promise all.
   ASSERT_NE(report.scenes[0].fastest_exact(), nullptr);
   EXPECT_EQ(report.scenes[0].fastest_exact()->name, "ll");
@@ -118,14 +118,14 @@ TEST(CompareReport, RatiosAreToTheFastestThatCapturesAll) {
 }
 
 TEST(CompareReport, TheTableHasARowForEverybody) {
-  const std::string text = to_text(sample_report());
+  const std::string text = to_text(sample_comparison());
   EXPECT_NE(text.find("f2b           no  1.0   0.25       2       0  12.3 KB     15.4       700  0.7000"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("kb: stack needs 64-bit atomics"), std::string::npos) << text;
   EXPECT_NE(text.find("resolution, ms  10x10  20x20  40x40"), std::string::npos) << text;
   EXPECT_EQ(text.find("runs on the CPU"), std::string::npos);
-  CompareReport report = sample_report();
+  CompareReport report = sample_comparison();
   report.device.cpu = true;
   EXPECT_NE(to_text(report).find("runs on the CPU"), std::string::npos);
 }
@@ -139,7 +139,7 @@ json schema_of_compare() {
 
 TEST(CompareReport, JsonFollowsItsSchema) {
   const json schema = schema_of_compare();
-  json written = json::parse(to_json(sample_report()));
+  json written = json::parse(to_json(sample_comparison()));
   EXPECT_EQ(first_violation(written, schema), "");
   EXPECT_EQ(written["techniques"], written["scenes"][0]["techniques"]);
   const json& failed = written["scenes"][0]["techniques"][4];
@@ -163,31 +163,31 @@ TEST(CompareReport, JsonFollowsItsSchema) {
 // ----------------------------------------------------------------------------------------------------- page
 
 TEST(ComparePage, IsWellFormedWithHostileNames) {
-  const std::string page = compare_html(sample_report("</td><img src=x>\"&'"));
+  const std::string page = compare_html(sample_comparison("</td><img src=x>\"&'"));
   EXPECT_EQ(first_nesting_error(page, "<html"), "");
   EXPECT_EQ(page.find("<img src=x>"), std::string::npos);
   EXPECT_EQ(first_nesting_error(compare_html(CompareReport{}), "<html"), "");
 }
 
 TEST(ComparePage, FetchesNothing) {
-  const std::string page = compare_html(sample_report());
+  const std::string page = compare_html(sample_comparison());
   for (const char* text : {"http", "url(", "@import", "<link", "href", "script src"})
     EXPECT_EQ(page.find(text), std::string::npos) << text;
-  EXPECT_EQ(count_of(page, "src=\""), count_of(page, "src=\"data:image/png;base64,"));
-  EXPECT_EQ(count_of(page, "src=\""), 3U);
+  EXPECT_EQ(occurrences(page, "src=\""), occurrences(page, "src=\"data:image/png;base64,"));
+  EXPECT_EQ(occurrences(page, "src=\""), 3U);
 }
 
 TEST(ComparePage, WarnsOfDriversOnTheCpu) {
-  CompareReport report = sample_report();
+  CompareReport report = sample_comparison();
   EXPECT_EQ(compare_html(report).find("runs on the CPU"), std::string::npos);
   report.device.cpu = true;
   EXPECT_NE(compare_html(report).find("runs on the CPU"), std::string::npos);
 }
 
 TEST(ComparePage, ChoosesAmongThePicturesThatDiffer) {
-  const std::string page = compare_html(sample_report());
-  EXPECT_EQ(count_of(page, "type=\"radio\""), 2U);
-  EXPECT_EQ(count_of(page, "checked=\"checked\""), 1U);
+  const std::string page = compare_html(sample_comparison());
+  EXPECT_EQ(occurrences(page, "type=\"radio\""), 2U);
+  EXPECT_EQ(occurrences(page, "checked=\"checked\""), 1U);
   EXPECT_NE(page.find("exact picture: f2b-2p, ll, sb."), std::string::npos);
   EXPECT_NE(page.find("<td colspan=\"12\">stack needs 64-bit atomics</td>"), std::string::npos);
 }
@@ -204,8 +204,8 @@ TEST(CurveCharts, RunLogarithmicallyAndBreakWhereNothingWasMeasured) {
   EXPECT_EQ(first_nesting_error(svg, "<svg"), "");
   // Equal factors are equal steps along both axes.
   EXPECT_NE(svg.find("<polyline points=\"84.0,288.0 442.0,168.0 800.0,48.0\"/>"), std::string::npos) << svg;
-  EXPECT_EQ(count_of(svg, "<polyline"), 3U);
-  EXPECT_EQ(count_of(svg, "<circle"), 5U);
+  EXPECT_EQ(occurrences(svg, "<polyline"), 3U);
+  EXPECT_EQ(occurrences(svg, "<circle"), 5U);
 }
 
 TEST(CurveCharts, SharesRunFromNothingToAll) {
@@ -218,9 +218,9 @@ TEST(CurveCharts, SharesRunFromNothingToAll) {
 }
 
 TEST(DepthHistogram, HasABarForEveryDepthAsLongAsTheyFit) {
-  EXPECT_EQ(count_of(depth_histogram_svg(std::vector<std::uint64_t>{9, 1, 2, 3}), "<rect"), 3U);
-  EXPECT_EQ(count_of(depth_histogram_svg(std::vector<std::uint64_t>(1001, 1)), "<rect"), 100U);
-  EXPECT_EQ(count_of(depth_histogram_svg({}), "<rect"), 0U);
+  EXPECT_EQ(occurrences(depth_histogram_svg(std::vector<std::uint64_t>{9, 1, 2, 3}), "<rect"), 3U);
+  EXPECT_EQ(occurrences(depth_histogram_svg(std::vector<std::uint64_t>(1001, 1)), "<rect"), 100U);
+  EXPECT_EQ(occurrences(depth_histogram_svg({}), "<rect"), 0U);
 }
 
 }  // namespace

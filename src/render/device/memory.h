@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "context.h"
 
@@ -42,6 +43,13 @@ class Buffer {
 template <class T>
 void upload(Context& context, const Buffer& buffer, std::span<const T> values) {
   buffer.upload(context, std::as_bytes(values));
+}
+
+template <class T>
+Buffer make_filled(Context& context, const std::string& name, const std::vector<T>& values) {
+  Buffer buffer(context, name, values.size() * sizeof(T));
+  upload<T>(context, buffer, values);
+  return buffer;
 }
 
 struct ImageSpec {

@@ -29,6 +29,10 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
+  command.add_option("--samples", options.samples, "Samples of a pixel: 1 or 4")
+      ->check(CLI::IsMember({1, 4}))
+      ->type_name("N")
+      ->capture_default_str();
   command.add_flag("--cull", options.cull,
                    "Techniques that peel: do not draw again what is peeled completely");
   command.add_flag("--plain-resolve", options.plain_resolve,

@@ -66,6 +66,7 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
           {"bytes_per_pixel", static_cast<double>(stats.bytes) / pixels},
           {"milliseconds", stats.milliseconds},
           {"resolve_milliseconds", stats.resolve_milliseconds},
+          {"drawn_share", stats.drawn_share},
           {"seconds", {{"total", seconds}}},
           {"peak_rss_bytes", peak_rss_bytes()}};
 }

@@ -24,6 +24,10 @@ class Contender {
             const RenderOptions& options, Session& session)
       : renderer_(renderer), drawn_(drawn), options_(options), session_(session) {
     options_.technique = name;
+    const auto all = render_techniques();
+    const bool can_cull = std::any_of(all.begin(), all.end(),
+                                      [&](const TechniqueInfo& t) { return t.name == name && t.can_cull; });
+    options_.cull = options.cull && can_cull;
   }
 
   [[nodiscard]] const std::string& failure() const { return failure_; }

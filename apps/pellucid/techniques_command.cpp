@@ -26,7 +26,9 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"missing", lacks},
           {"passes_formula", t.passes_formula},
           {"bytes_formula", t.bytes_formula},
-          {"msaa", {1}}};
+          {"can_cull", t.can_cull},
+          {"blends_only", t.blends_only},
+          {"msaa", t.multisampled ? nlohmann::ordered_json{1, 4} : nlohmann::ordered_json{1}}};
 }
 
 // Empty where there is none; why, is a note.

@@ -42,6 +42,7 @@ struct DeviceInfo {
   bool atomics64 = false;              // 64-bit atomics on buffers
   bool layered = false;                // vertex shaders may choose the layer of an attachment
   bool precise_queries = false;        // occlusion queries count
+  bool multisampling = false;          // RenderOptions::samples
   bool conditional = false;            // draws that depend on a query (VK_EXT_conditional_rendering)
 };
 
@@ -117,6 +118,7 @@ struct TechniqueInfo {
   std::string captures;        // in words, where it is not exact
   std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
   std::string bytes_formula;   // of a pixel
+  bool multisampled = false;   // RenderOptions::samples
   bool can_cull = false;       // RenderOptions::cull
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
   bool needs_atomics64 = false, needs_layered = false;
@@ -133,6 +135,10 @@ struct RenderOptions {
   Vec3f background{1, 1, 1};  // linear
   Vec3f edge_color{0.02F, 0.02F, 0.03F};
   std::uint32_t k = 8;  // fragments, or buckets, of techniques with a fixed number of them; 1 .. 64
+  // 1, or 4 at Vulkan's standard places: each sample is a pixel of its own until the picture is averaged,
+  // shading, depth and fragments included, so that edges are right where surfaces intersect and coincide,
+  // too. Opaque surfaces are captured like all others then.
+  std::uint32_t samples = 1;
   // Nodes of techniques that store in a pool; 0: as many as there are fragments. What finds no place is
   // counted.
   std::uint64_t pool = 0;
@@ -170,7 +176,7 @@ struct CaptureStats {
 };
 
 struct CapturedFragments {
-  std::vector<std::uint64_t> offsets;  // of every pixel, and the end
+  std::vector<std::uint64_t> offsets;  // of every pixel (or, pixel by pixel, of every sample), and the end
   std::vector<Fragment> fragments;     // as they were delivered
 };
 

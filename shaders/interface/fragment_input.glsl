@@ -2,6 +2,7 @@
 #ifndef FRAGMENT_INPUT_GLSL
 #define FRAGMENT_INPUT_GLSL
 #include "opaque.glsl"
+#include "sample_index.glsl"
 #include "texture.glsl"
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
@@ -24,8 +25,6 @@ layout(std430, set = 0, binding = SLOT_SURFACES) readonly buffer Surfaces { Surf
 layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
 layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
 
-uint fragment_pixel() { return pixel_index(uvec2(gl_FragCoord.xy)); }
-
 uint fragment_triangle() { return push.first_triangle + uint(gl_PrimitiveID); }
 
 uint fragment_id() {
@@ -35,7 +34,7 @@ uint fragment_id() {
 vec2 screen_of(uint vertex) {
   const vec4 clip = frame.clip_from_world * vec4(positions[3u * vertex], positions[3u * vertex + 1u],
                                                  positions[3u * vertex + 2u], 1.0);
-  return (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size.x, frame.line.w);
+  return (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size.x / frame.samples, frame.line.w);
 }
 
 float distance_to_line(vec2 p, vec2 a, vec2 b) {

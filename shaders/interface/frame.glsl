@@ -63,6 +63,7 @@ layout(std430, set = 0, binding = SLOT_FRAME) readonly buffer Frame {
   vec4 line;        // wireframe: colour, half width in pixels
   uint first_row;   // of the band
   uint csg;         // 0: union, 1: intersection, 2: difference
+  uint samples;     // of a pixel: `size` counts them as columns
 } frame;
 
 struct Fragment {

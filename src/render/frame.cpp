@@ -22,9 +22,11 @@ Constants Pipelines::with_features(Constants constants) const {
 const ScenePipeline& Pipelines::scene(const GraphicsSpec& given) {
   GraphicsSpec spec = given;
   spec.constants = with_features(given.constants);
-  std::string key = fmt::format("{} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
+  spec.samples = samples_;
+  std::string key = fmt::format("{} {} {} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
                                 static_cast<int>(spec.blend), static_cast<int>(spec.depth),
-                                static_cast<int>(spec.depth_test), spec.depth_write, spec.route_by_stencil);
+                                static_cast<int>(spec.depth_test), spec.depth_write, spec.route_by_stencil,
+                                spec.clamp_depth, spec.samples);
   for (const VkFormat format : spec.colors) key.append(" c").append(std::to_string(static_cast<int>(format)));
   append(key, spec.constants);
   const auto found = scene_.find(key);
@@ -54,7 +56,7 @@ Image Frame::make_image(const std::string& name, VkFormat format, std::uint32_t 
 }
 
 Attachments Frame::attachments() const {
-  return {.width = width,
+  return {.width = width / options.samples,
           .height = height,
           .first_row = static_cast<std::int32_t>(first_row),
           .picture_height = picture_height};

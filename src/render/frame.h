@@ -26,6 +26,7 @@ class Pipelines {
   explicit Pipelines(Context& context) : context_(context) {}
   // Of all that is asked for from now on: a sum of Feature.
   void use_features(std::uint32_t features) { features_ = features; }
+  void use_samples(std::uint32_t samples) { samples_ = samples; }
   const ScenePipeline& scene(const GraphicsSpec& spec);
   const OwnedPipeline& compute(std::string_view shader, const Constants& constants);
 
@@ -34,6 +35,7 @@ class Pipelines {
 
   Context& context_;
   std::uint32_t features_ = 0;
+  std::uint32_t samples_ = 1;
   std::map<std::string, ScenePipeline> scene_;
   std::map<std::string, OwnedPipeline> compute_;
 };
@@ -50,7 +52,7 @@ struct Frame {
   const GpuScene& scene;
   const RenderOptions& options;
   std::uint32_t effect = 0;                         // kEffect
-  std::uint32_t width = 0, height = 0;              // of the band
+  std::uint32_t width = 0, height = 0;              // of the band; samples of a pixel are columns
   std::uint32_t first_row = 0, picture_height = 0;  // where it lies
   std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
   Buffer counters;

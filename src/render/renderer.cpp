@@ -24,7 +24,7 @@ struct FrameData {
   std::array<std::uint32_t, 2> size{};
   std::uint32_t objects = 0, capacity = 0;
   std::array<float, 4> line{};
-  std::uint32_t first_row = 0, csg = 0, unused_0 = 0, unused_1 = 0;
+  std::uint32_t first_row = 0, csg = 0, samples = 1, unused = 0;
 };
 static_assert(sizeof(FrameData) == 192);
 
@@ -76,6 +76,7 @@ FrameData frame_data(const Camera& camera, const Frame& frame) {
   data.line = four(to_double(frame.options.edge_color), camera.height);
   data.first_row = frame.first_row;
   data.csg = static_cast<std::uint32_t>(frame.options.csg);
+  data.samples = frame.options.samples;
   return data;
 }
 
@@ -142,7 +143,7 @@ render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& b
           .scene = *scene,
           .options = job.options,
           .effect = job.effect,
-          .width = job.camera.width,
+          .width = job.camera.width * job.options.samples,
           .height = band.rows,
           .first_row = band.first_row,
           .picture_height = job.camera.height,
@@ -187,6 +188,7 @@ void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& 
   opaque.emplace(frame);
   scene->draw_only(true);
   pipelines.use_features(scene->features());
+  pipelines.use_samples(job.options.samples);
   const render::FrameData data = render::frame_data(job.camera, frame);
   render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
   run(job, frame, stats, [&](render::Recorder& recorder) {
@@ -300,7 +302,13 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
 void Renderer::Implementation::read_picture(const render::Frame& frame, RenderResult& result) {
   std::vector<std::array<float, 4>> values(frame.pixels());
   picture.download(context, std::as_writable_bytes(std::span(values)));
-  for (const std::array<float, 4>& v : values) result.pixels.push_back({v[0], v[1], v[2]});
+  const std::uint32_t samples = frame.options.samples;
+  for (std::size_t first = 0; first < values.size(); first += samples) {
+    Vec3f sum{0, 0, 0};
+    for (std::size_t i = first; i < first + samples; ++i)
+      sum = sum + Vec3f{values[i][0], values[i][1], values[i][2]};
+    result.pixels.push_back(sum * (1.0F / static_cast<float>(samples)));
+  }
 }
 
 void Renderer::Implementation::read_fragments(const render::Frame& frame,
@@ -401,11 +409,22 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
                 fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
                             device.max_side, camera.width, camera.height));
   }
+  if (options.samples != 1 && options.samples != 4) throw Error(ErrorKind::bad_argument, "--samples: 1 or 4");
   if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
   render::check_effect(options.effect, objects);
 }
 
 void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
+  if (options.samples > 1 && !technique.multisampled) {
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--samples: --technique {} keeps a fragment in an attachment, which has one sample",
+                    technique.name));
+  }
+  if (options.samples > 1 && !device.multisampling) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--samples: {} has no 4 samples without attachments", device.name));
+  }
   if (options.cull && !technique.can_cull) {
     throw Error(
         ErrorKind::bad_argument,

@@ -55,7 +55,8 @@ TechniqueEntry linked_lists() {
            .paper = "Yang et al. 2010",
            .captures = "all that the pool has room for",
            .passes_formula = "1",
-           .bytes_formula = "16 N + 4"},
+           .bytes_formula = "16 N + 4",
+           .multisampled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(false)); }};
 }
 
@@ -65,7 +66,8 @@ TechniqueEntry bucketed_lists() {
            .paper = "Vasilakis, Fudos 2014",
            .captures = "all that the pool has room for",
            .passes_formula = "2",
-           .bytes_formula = "16 N + 4 K + 8"},
+           .bytes_formula = "16 N + 4 K + 8",
+           .multisampled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(true)); }};
 }
 

@@ -68,6 +68,7 @@ TechniqueEntry k_buffer() {
            .captures = "the k nearest of a pixel",
            .passes_formula = "2",
            .bytes_formula = "12 K",
+           .multisampled = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<NearestK>(false)); }};
 }
@@ -79,6 +80,7 @@ TechniqueEntry multi_k_buffer() {
            .captures = "all",
            .passes_formula = "2 (floor(N / K) + 1)",
            .bytes_formula = "12 K + 40",
+           .multisampled = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<NearestK>(true)); }};
 }

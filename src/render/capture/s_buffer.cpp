@@ -45,7 +45,8 @@ TechniqueEntry s_buffer() {
            .paper = "Vasilakis, Fudos 2012",
            .captures = "all that the pool has room for",
            .passes_formula = "2",
-           .bytes_formula = "12 N + 8"},
+           .bytes_formula = "12 N + 8",
+           .multisampled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<SBuffer>()); }};
 }
 

@@ -33,7 +33,8 @@ struct GraphicsSpec {
   std::string_view vertex_shader = "interface/scene.vert";
   // Stencil: pass where it equals the reference, then decrement what passed and what failed alike.
   bool route_by_stencil = false;
-  bool clamp_depth = false;  // in place of clipping at the near and the far plane
+  std::uint32_t samples = 1;  // each is shaded by itself
+  bool clamp_depth = false;   // in place of clipping at the near and the far plane
 };
 
 // Pipelines over scene triangles: one that draws both sides, one that culls back faces.

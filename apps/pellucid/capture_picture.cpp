@@ -29,11 +29,12 @@ std::string bytes_text(std::uint64_t bytes) {
 void print_result(const CapturePicture& picture, const std::string& device, const CaptureStats& stats,
                   const Session& session) {
   session.print(fmt::format(
-      "{}: {}x{}, {} by {} on {}\n{} fragments on {} pixels, at most {}; {} coplanar; captured {}{}\n"
+      "{}: {}x{}, {} by {} on {}\n{} fragments on {} {}, at most {}; {} coplanar; captured {}{}\n"
       "{} geometry passes, {}, {:.1f} ms\n",
       picture.output, picture.width, picture.height, named(picture.options.effect).name,
       picture.options.technique, device, format_count(stats.fragments), format_count(stats.covered_pixels),
-      stats.deepest_pixel, format_count(stats.coplanar), format_percent(stats.captured_share()),
+      picture.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
+      format_percent(stats.captured_share()),
       stats.overflowed > 0 ? fmt::format(", {} found no place", format_count(stats.overflowed)) : "",
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
 }

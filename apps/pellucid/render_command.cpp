@@ -47,7 +47,8 @@ void require_orders(const Scene& scene, const std::string& path) {
 bool draws_orders(const RenderCommand& options) {
   return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
          options.capture.surfaces == Surfaces::uniform && options.capture.animation.empty() &&
-         !is_file_camera(options.camera);
+         !is_file_camera(options.camera) && options.capture.options.samples == 1 &&
+         !options.capture.options.cull;
 }
 
 void run_capture(const RenderCommand& options, Session& session) {

@@ -189,7 +189,8 @@ struct RenderResult {
 
 // The same on the CPU, from the fragments of raster.h: the oracle of all techniques. Colours are not rounded
 // on the way, as fragments on the device are (8 bits a channel, gamma 2); CaptureStats has fragments,
-// captured, coplanar, pixels and milliseconds. Throws as Renderer::draw does for effects.
+// captured, coplanar, pixels and milliseconds. Throws as Renderer::draw does for effects, and for `samples`
+// and `cull`, which it has not.
 RenderResult draw_reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options);
 
 // A device with one scene on it. Not to be used from several threads at once.

@@ -43,11 +43,12 @@ TEST(RenderCommand, RefusesWhatItCannotDraw) {
   for (const Arguments& bad :
        {Arguments{"--size", "0x5"}, Arguments{"--size", "12"}, Arguments{"--camera", "1,2"},
         Arguments{"--camera", "1,2,0.5"}, Arguments{"--camera", "inf,2,3"}, Arguments{"--technique", "magic"},
-        Arguments{"--order", "random"}, Arguments{"--alpha", "2"}}) {
+        Arguments{"--order", "random"}, Arguments{"--alpha", "2"}, Arguments{"--samples", "4"},
+        Arguments{"--samples", "3"}, Arguments{"--cull"}}) {
     Arguments arguments{"render", samples().plain, "-o", png};
     arguments.insert(arguments.end(), bad.begin(), bad.end());
     const Finished done = run_pellucid(arguments);
-    EXPECT_EQ(done.code, 2) << bad[0] << " " << bad[1] << ": " << done.err;
+    EXPECT_EQ(done.code, 2) << bad[0] << " " << bad.back() << ": " << done.err;
     EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   }
   EXPECT_TRUE(folder.files().empty());
@@ -134,6 +135,26 @@ TEST(RenderCommand, DeviceAndReferenceSeeTheSameFragments) {
   EXPECT_EQ(device["captured"], device["fragments"]);
   EXPECT_NEAR(device["fragments"].get<double>(), cpu["fragments"].get<double>(),
               0.002 * cpu["fragments"].get<double>());
+}
+
+TEST(RenderCommand, CullsAndMultisamples) {
+  const TemporaryFolder folder;
+  const auto drawn = [&](const Arguments& more) {
+    Arguments arguments{"render", samples().plain, "-o",     folder.file("p.png"),
+                        "--size", "96x64",         "--json", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return nlohmann::json::parse(done.out);
+  };
+  const nlohmann::json all = drawn({"--technique", "f2b-2p"});
+  const nlohmann::json culled = drawn({"--technique", "f2b-2p", "--cull"});
+  EXPECT_EQ(all["captured"], culled["captured"]);
+  EXPECT_EQ(all["drawn_share"], 1.0);
+  EXPECT_LE(culled["drawn_share"].get<double>(), 1.0);
+  const nlohmann::json sampled = drawn({"--technique", "f2b-2p", "--samples", "4"});
+  EXPECT_NEAR(sampled["fragments"].get<double>(), 4 * all["fragments"].get<double>(),
+              0.2 * all["fragments"].get<double>());
 }
 
 // What is drawn first stays: in the file's order that is what is in front.

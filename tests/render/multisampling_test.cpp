@@ -46,8 +46,8 @@ TEST_P(Multisampling, SamplesAreThoseOfALargerPicture) {
   const std::uint32_t side = 24;
   const RenderScene scene = testing::random_stack(31, 60);
   testing::test_renderer().load(scene);
-  const RenderOptions options{.technique = GetParam(), .k = 2, .samples = 4, .plain_resolve = true,
-                              .keep_fragments = true};
+  const RenderOptions options{
+      .technique = GetParam(), .k = 2, .samples = 4, .plain_resolve = true, .keep_fragments = true};
   const RenderResult result = testing::test_renderer().draw(testing::unit_camera(side, side), options);
   const FragmentBuffer oracle = testing::cpu_fragments(scene, testing::unit_camera(4 * side, 4 * side));
   ASSERT_EQ(result.pixels.size(), side * side);
@@ -55,12 +55,14 @@ TEST_P(Multisampling, SamplesAreThoseOfALargerPicture) {
   std::size_t wrong = 0;
   for (std::uint32_t p = 0; p < side * side; ++p) {
     for (std::uint32_t s = 0; s < 4; ++s) {
-      const std::size_t place = (4 * (p / side) + kPlaces.at(s)[1]) * std::size_t{4 * side} + 4 * (p % side) + kPlaces.at(s)[0];
+      const std::size_t place =
+          (4 * (p / side) + kPlaces.at(s)[1]) * std::size_t{4 * side} + 4 * (p % side) + kPlaces.at(s)[0];
       std::vector<Fragment> captured = testing::pixel_of(result.fragments, 4 * std::size_t{p} + s);
       std::sort(captured.begin(), captured.end(), before);
       const auto expected = oracle.pixel(place);
       const bool right = info_.exact ? std::ranges::equal(captured, expected, same)
-                                     : std::includes(expected.begin(), expected.end(), captured.begin(), captured.end(), before);
+                                     : std::includes(expected.begin(), expected.end(), captured.begin(),
+                                                     captured.end(), before);
       wrong += right ? 0U : 1U;
     }
   }

@@ -10,11 +10,7 @@ namespace pellucid {
 namespace {
 
 std::vector<std::string> technique_names() {
-  std::vector<std::string> names;
-  for (const TechniqueInfo& info : render_techniques()) {
-    if (!info.blends_only) names.push_back(info.name);
-  }
-  return names;
+  return testing::techniques_that([](const TechniqueInfo& info) { return !info.blends_only; });
 }
 
 class Capture : public ::testing::TestWithParam<std::string> {
@@ -289,11 +285,7 @@ TEST_F(Bounded, PoolThatIsTooSmallIsToldOf) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Capture, ::testing::ValuesIn(technique_names()),
-                         [](const auto& parameter) {
-                           std::string name = parameter.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::technique_test_name);
 
 }  // namespace
 }  // namespace pellucid

@@ -9,11 +9,7 @@ namespace pellucid {
 namespace {
 
 std::vector<std::string> culling_techniques() {
-  std::vector<std::string> names;
-  for (const TechniqueInfo& info : render_techniques()) {
-    if (info.can_cull) names.push_back(info.name);
-  }
-  return names;
+  return testing::techniques_that([](const TechniqueInfo& info) { return info.can_cull; });
 }
 
 class Culling : public ::testing::TestWithParam<std::string> {
@@ -85,11 +81,7 @@ TEST(CullingOption, IsForTechniquesThatPeel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Culling, ::testing::ValuesIn(culling_techniques()),
-                         [](const auto& parameter) {
-                           std::string name = parameter.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::technique_test_name);
 
 }  // namespace
 }  // namespace pellucid

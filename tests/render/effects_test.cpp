@@ -11,11 +11,7 @@ namespace pellucid {
 namespace {
 
 std::vector<std::string> exact_techniques() {
-  std::vector<std::string> names;
-  for (const TechniqueInfo& info : render_techniques()) {
-    if (info.exact && info.name != "sb") names.push_back(info.name);
-  }
-  return names;
+  return testing::techniques_that([](const TechniqueInfo& info) { return info.exact && info.name != "sb"; });
 }
 
 // Blended colours and sums of lengths depend on where a technique puts the brackets, and blending stops where
@@ -124,11 +120,7 @@ TEST_P(Pictures, InPerspective) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Pictures, ::testing::ValuesIn(exact_techniques()),
-                         [](const auto& parameter) {
-                           std::string name = parameter.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::technique_test_name);
 
 }  // namespace
 }  // namespace pellucid

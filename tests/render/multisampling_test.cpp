@@ -10,11 +10,7 @@ namespace pellucid {
 namespace {
 
 std::vector<std::string> multisampled_techniques() {
-  std::vector<std::string> names;
-  for (const TechniqueInfo& info : render_techniques()) {
-    if (info.multisampled) names.push_back(info.name);
-  }
-  return names;
+  return testing::techniques_that([](const TechniqueInfo& info) { return info.multisampled; });
 }
 
 // Vulkan's standard places of four samples are pixels of a picture that is four times as large.
@@ -98,11 +94,7 @@ TEST(MultisamplingOption, IsRefusedWhereItCannotBe) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Multisampling, ::testing::ValuesIn(multisampled_techniques()),
-                         [](const auto& parameter) {
-                           std::string name = parameter.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::technique_test_name);
 
 }  // namespace
 }  // namespace pellucid

@@ -57,6 +57,20 @@ Renderer& test_renderer() {
   return renderer;
 }
 
+std::vector<std::string> techniques_that(const std::function<bool(const TechniqueInfo&)>& wanted) {
+  std::vector<std::string> names;
+  for (const TechniqueInfo& info : render_techniques()) {
+    if (wanted(info)) names.push_back(info.name);
+  }
+  return names;
+}
+
+std::string technique_test_name(const ::testing::TestParamInfo<std::string>& parameter) {
+  std::string name = parameter.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
 RenderScene random_stack(std::uint64_t seed, std::size_t triangles) {
   Random random(seed);
   RenderScene scene;

@@ -1,6 +1,9 @@
 // Scenes that bring coincident surfaces, and what their fragments are according to the CPU.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,10 @@ Renderer& test_renderer();
 bool validation_is_on();
 // What validation complained of first, in this process; empty: of nothing.
 std::string first_validation_message();
+
+// Names of techniques, for tests of each, and names of such tests.
+std::vector<std::string> techniques_that(const std::function<bool(const TechniqueInfo&)>& wanted);
+std::string technique_test_name(const ::testing::TestParamInfo<std::string>& parameter);
 
 // Random small triangles in 0..1^3, in layers at dyadic depths, some of them several times.
 RenderScene random_stack(std::uint64_t seed, std::size_t triangles);

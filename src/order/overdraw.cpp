@@ -439,7 +439,7 @@ class OverdrawOrderer {
   // Views that tell how deep the pixels are.
   static constexpr std::uint64_t kPilotViews = 32;
   // Larger single poses are cut into runs: moving single triangles takes a minute and more per 100,000.
-  static constexpr std::size_t kMostCompactTriangles = 400'000;
+  static constexpr std::size_t kMostCompactTriangles = 100'000;
   // Orders for all views have slightly other misses than those for some.
   static constexpr double kAcmrMargin = 0.994;
   static constexpr int kStarts = 3;

@@ -17,6 +17,7 @@ set(PELLUCID_SHADERS
   "capture/pair_colors.frag|capture/pair_colors.frag|"
   "capture/pair_keys.frag|capture/pair_keys.frag|"
   "capture/route_layers.frag|capture/route_layers.frag|"
+  "capture/shaded.frag|capture/shaded.frag|"
   "resolve/keys.comp|resolve/keys.comp|"
   "capture/clear_bounds.comp|capture/clear_bounds.comp|"
   "capture/count.frag|capture/count.frag|"

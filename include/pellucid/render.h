@@ -187,6 +187,11 @@ struct RenderResult {
   CapturedFragments fragments;
 };
 
+struct OverdrawCount {
+  std::uint64_t shaded = 0;   // fragments that a strict depth test lets through, in the sequence of drawing
+  std::uint64_t covered = 0;  // pixels; the least that `shaded` can be
+};
+
 // The same on the CPU, from the fragments of raster.h: the oracle of all techniques. Colours are not rounded
 // on the way, as fragments on the device are (8 bits a channel, gamma 2); CaptureStats has fragments,
 // captured, coplanar, pixels and milliseconds. Throws as Renderer::draw does for effects, and for `samples`
@@ -212,6 +217,11 @@ class Renderer {
   // Throws Error{bad_argument} for a technique that is not there or not possible on this device, and for
   // effects that the scene has too many objects for; Error{interrupted} when `progress` says so.
   RenderResult draw(const Camera& camera, const RenderOptions& options, Progress* progress = nullptr);
+
+  // How often what was loaded would be shaded if it were opaque, counted by the device behind its depth test:
+  // the oracle of metric.h's measure_overdraw and of overdraw.h. Surfaces that show both sides are drawn
+  // before those that do not. Throws as draw() does.
+  OverdrawCount count_overdraw(const Camera& camera);
 
   // What validation said so far, with DeviceOptions::validate.
   [[nodiscard]] std::vector<std::string> validation_messages() const;

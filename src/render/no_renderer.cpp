@@ -21,6 +21,9 @@ RenderResult Renderer::draw(const Camera& /*camera*/, const RenderOptions& /*opt
                             Progress* /*progress*/) {
   return {};
 }
+OverdrawCount Renderer::count_overdraw(const Camera& /*camera*/) {
+  return {};
+}
 std::vector<std::string> Renderer::validation_messages() const {
   return {};
 }

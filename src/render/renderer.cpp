@@ -472,4 +472,38 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
   return result;
 }
 
+OverdrawCount Renderer::count_overdraw(const Camera& camera) {
+  Implementation& self = *implementation_;
+  if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
+  // An effect for which opaque surfaces are drawn like all others.
+  RenderOptions options;
+  options.effect = Effect::complexity;
+  check_options(camera, options, info(), self.scene->object_count);
+  const Implementation::Job job{camera, options, find_technique(options, info()),
+                                static_cast<std::uint32_t>(options.effect), nullptr};
+  render::Frame frame = self.make_frame(job, {0, camera.height});
+  CaptureStats ignored;
+  self.draw_opaque(job, frame, ignored);
+  const std::vector<std::uint32_t> counts = self.count(job, frame);
+  const render::Image depth = frame.make_image("depth", VK_FORMAT_D32_SFLOAT);
+  self.run(job, frame, ignored, [&](render::Recorder& recorder) {
+    recorder.fill(frame.counters, 0);
+    recorder.prepare(depth);
+    recorder.barrier();
+    render::Attachments attachments = frame.attachments();
+    attachments.depth = &depth;
+    recorder.draw(frame.scene,
+                  frame.pipelines.scene({.fragment_shader = "capture/shaded.frag",
+                                         .depth = VK_FORMAT_D32_SFLOAT,
+                                         .depth_test = render::DepthTest::less,
+                                         .depth_write = true}),
+                  attachments);
+  });
+  render::Counters counters{};
+  frame.counters.download(self.context, std::as_writable_bytes(std::span(&counters, 1)));
+  self.opaque.reset();
+  const auto covered = std::count_if(counts.begin(), counts.end(), [](std::uint32_t n) { return n > 0; });
+  return {counters.captured, static_cast<std::uint64_t>(covered)};
+}
+
 }  // namespace pellucid

@@ -63,6 +63,11 @@ VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
   return state;
 }
 
+VkCompareOp compare_op(DepthTest test) {
+  if (test == DepthTest::equal) return VK_COMPARE_OP_EQUAL;
+  return test == DepthTest::less ? VK_COMPARE_OP_LESS : VK_COMPARE_OP_LESS_OR_EQUAL;
+}
+
 VkPipelineDepthStencilStateCreateInfo depth_state(const GraphicsSpec& spec) {
   const VkStencilOpState stencil{.failOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
                                  .passOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
@@ -74,8 +79,7 @@ VkPipelineDepthStencilStateCreateInfo depth_state(const GraphicsSpec& spec) {
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
           .depthTestEnable = spec.depth_test != DepthTest::none ? VK_TRUE : VK_FALSE,
           .depthWriteEnable = spec.depth_write ? VK_TRUE : VK_FALSE,
-          .depthCompareOp =
-              spec.depth_test == DepthTest::equal ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_LESS_OR_EQUAL,
+          .depthCompareOp = compare_op(spec.depth_test),
           .stencilTestEnable = spec.route_by_stencil ? VK_TRUE : VK_FALSE,
           .front = stencil,
           .back = stencil};

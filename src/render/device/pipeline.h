@@ -20,7 +20,7 @@ std::span<const std::string_view> shader_names();
 using Constants = std::vector<std::uint32_t>;
 
 enum class Blend { none, max, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
-enum class DepthTest { none, less_or_equal, equal };
+enum class DepthTest { none, less, less_or_equal, equal };
 
 struct GraphicsSpec {
   std::string_view fragment_shader;  // empty: depth only

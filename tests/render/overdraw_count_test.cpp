@@ -20,9 +20,8 @@ std::uint64_t shaded_on_cpu(const RenderScene& scene, const Camera& camera) {
   for (std::size_t p = 0; p + 1 < fragments.offsets.size(); ++p) {
     const auto pixel = fragments.pixel(p);
     std::vector<Fragment> list(pixel.begin(), pixel.end());
-    std::sort(list.begin(), list.end(), [&](const Fragment& a, const Fragment& b) {
-      return place[a.node / 2] < place[b.node / 2];
-    });
+    std::sort(list.begin(), list.end(),
+              [&](const Fragment& a, const Fragment& b) { return place[a.node / 2] < place[b.node / 2]; });
     float nearest = 1;  // what depth is cleared to
     for (const Fragment& f : list) {
       if (f.depth >= nearest) continue;
@@ -54,7 +53,8 @@ TEST(OverdrawCount, IsWhatASimulatedDepthTestSays) {
 }
 
 TEST(OverdrawCount, FrontToBackIsOne) {
-  RenderScene scene = testing::joined(testing::coplanar_squares(1, 0.25F), testing::coplanar_squares(1, 0.5F));
+  RenderScene scene =
+      testing::joined(testing::coplanar_squares(1, 0.25F), testing::coplanar_squares(1, 0.5F));
   Renderer& renderer = testing::test_renderer();
   renderer.load(scene);
   const OverdrawCount near_first = renderer.count_overdraw(testing::unit_camera(16, 16));

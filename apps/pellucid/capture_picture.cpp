@@ -26,12 +26,20 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-void print_result(const CapturePicture& picture, const std::string& device, const CaptureStats& stats,
+// One of the pictures that were asked for.
+struct Taken {
+  std::string output, camera;
+  double time = 0;
+  CaptureStats stats;
+};
+
+void print_result(const CapturePicture& picture, const std::string& device, const Taken& taken,
                   const Session& session) {
+  const CaptureStats& stats = taken.stats;
   session.print(fmt::format(
       "{}: {}x{}, {} by {} on {}\n{} fragments on {} {}, at most {}; {} coplanar; captured {}{}\n"
       "{} geometry passes, {}, {:.1f} ms\n",
-      picture.output, picture.width, picture.height, named(picture.options.effect).name,
+      taken.output, picture.width, picture.height, named(picture.options.effect).name,
       picture.options.technique, device, format_count(stats.fragments), format_count(stats.covered_pixels),
       picture.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
       format_percent(stats.captured_share()),
@@ -39,20 +47,8 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
 }
 
-nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string& device,
-                               const CaptureStats& stats, std::size_t triangles, double seconds) {
-  const double pixels = static_cast<double>(picture.width) * picture.height;
-  return {{"schema", 1},
-          {"version", library_version()},
-          {"input", picture.input},
-          {"output", picture.output},
-          {"technique", picture.options.technique},
-          {"effect", named(picture.options.effect).name},
-          {"device", device},
-          {"width", picture.width},
-          {"height", picture.height},
-          {"triangles", triangles},
-          {"fragments", stats.fragments},
+nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
+  return {{"fragments", stats.fragments},
           {"captured", stats.captured},
           {"r_h", stats.captured_share()},
           {"overflowed", stats.overflowed},
@@ -67,9 +63,35 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
           {"bytes_per_pixel", static_cast<double>(stats.bytes) / pixels},
           {"milliseconds", stats.milliseconds},
           {"resolve_milliseconds", stats.resolve_milliseconds},
-          {"drawn_share", stats.drawn_share},
-          {"seconds", {{"total", seconds}}},
-          {"peak_rss_bytes", peak_rss_bytes()}};
+          {"drawn_share", stats.drawn_share}};
+}
+
+// One picture has its figures at the top, several have a list of them.
+nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string& device,
+                               const std::vector<Taken>& taken, std::size_t triangles, double seconds) {
+  const double pixels = static_cast<double>(picture.width) * picture.height;
+  nlohmann::ordered_json json = {{"schema", 1},
+                                 {"version", library_version()},
+                                 {"input", picture.input},
+                                 {"output", picture.output},
+                                 {"technique", picture.options.technique},
+                                 {"effect", named(picture.options.effect).name},
+                                 {"device", device},
+                                 {"width", picture.width},
+                                 {"height", picture.height},
+                                 {"triangles", triangles}};
+  if (picture.shots.empty()) {
+    json.update(to_json(taken.front().stats, pixels));
+  } else {
+    for (const Taken& one : taken) {
+      nlohmann::ordered_json entry = {{"output", one.output}, {"camera", one.camera}, {"time", one.time}};
+      entry.update(to_json(one.stats, pixels));
+      json["pictures"].push_back(std::move(entry));
+    }
+  }
+  json["seconds"] = {{"total", seconds}};
+  json["peak_rss_bytes"] = peak_rss_bytes();
+  return json;
 }
 
 bool any_deforms(const Model& model) {
@@ -114,38 +136,93 @@ Image to_image(const RenderResult& result) {
   return image;
 }
 
+namespace {
+
+std::vector<Shot> shots_of(const CapturePicture& picture) {
+  if (picture.shots.empty()) return {{picture.camera_text, picture.time}};
+  return picture.shots;
+}
+
+// The scene as it stands when it is drawn, and what was made of it for that.
+class Stage {
+ public:
+  Stage(const CapturePicture& picture, const Model& model)
+      : picture_(picture), model_(model), rest_(make_scene(model)), deforms_(any_deforms(model)) {}
+
+  // Throws as pose_scene() and make_render_scene() do.
+  void set(double time) {
+    if (time_ && (*time_ == time || picture_.animation.empty())) return;
+    time_ = time;
+    scene_ = rest_;
+    if (!picture_.animation.empty() || deforms_) pose_scene(model_, picture_.animation, time, scene_);
+    notes_.clear();
+    drawn_ = make_render_scene(model_, scene_, picture_.surfaces, picture_.look, &notes_);
+    loaded_ = false;
+  }
+
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
+  // Null: on the CPU.
+  RenderResult draw(const Camera& camera, Renderer* renderer, const Session& session) {
+    if (!picture_.ignore_orders && picture_.animation.empty()) {
+      std::vector<std::uint32_t> sequence = drawing_sequence(scene_, camera);
+      loaded_ = loaded_ && sequence == drawn_.sequence;
+      drawn_.sequence = std::move(sequence);
+    }
+    if (renderer == nullptr) return draw_reference(drawn_, camera, picture_.options);
+    if (!loaded_) renderer->load(drawn_);
+    loaded_ = true;
+    RenderResult result = renderer->draw(camera, picture_.options, session.progress());
+    if (picture_.frames > 1) time_more_frames(picture_, camera, *renderer, session, result.stats);
+    return result;
+  }
+
+ private:
+  const CapturePicture& picture_;
+  const Model& model_;
+  Scene rest_, scene_;
+  RenderScene drawn_;
+  std::vector<std::string> notes_;
+  std::optional<double> time_;
+  bool deforms_;
+  bool loaded_ = false;
+};
+
+}  // namespace
+
 void render_capture(const CapturePicture& picture, Session& session) {
   const Stopwatch watch;
   const bool reference = picture.options.technique == kReference;
   // A device that is not there is told before a large file is read.
   std::optional<Renderer> renderer;
   if (!reference) renderer.emplace(picture.device);
-  if (!is_file_camera(picture.camera_text)) parse_camera(picture.camera_text);
+  const std::vector<Shot> shots = shots_of(picture);
+  for (const Shot& shot : shots)
+    if (!is_file_camera(shot.camera)) parse_camera(shot.camera);
   const Model model = read_model(picture.input);
-  Scene scene = make_scene(model);
-  if (!picture.animation.empty() || any_deforms(model)) {
-    pose_scene(model, picture.animation, picture.time, scene);
-  }
-  std::vector<std::string> notes;
-  RenderScene drawn = make_render_scene(model, scene, picture.surfaces, picture.look, &notes);
-  for (const std::string& note : notes) session.note(note);
-  stop_if_signalled();
-  const Camera camera = camera_from(picture.camera_text, model, scene, picture.width, picture.height);
-  if (!picture.ignore_orders && picture.animation.empty()) drawn.sequence = drawing_sequence(scene, camera);
-  RenderResult result;
-  if (reference) {
-    result = draw_reference(drawn, camera, picture.options);
-  } else {
-    renderer->load(drawn);
-    result = renderer->draw(camera, picture.options, session.progress());
-    if (picture.frames > 1) time_more_frames(picture, camera, *renderer, session, result.stats);
-    for (const std::string& message : renderer->validation_messages()) session.note(message);
-  }
-  stop_if_signalled();
-  write_png(to_image(result), picture.output);
   const std::string device = reference ? std::string(kReference) : renderer->info().name;
-  print_result(picture, device, result.stats, session);
-  session.write_json(to_json(picture, device, result.stats, drawn.triangles.size(), watch.seconds())
+  Stage stage(picture, model);
+  std::vector<Taken> taken;
+  for (const Shot& shot : shots) {
+    const double time = shot.time.value_or(picture.time);
+    stage.set(time);
+    if (taken.empty())
+      for (const std::string& note : stage.notes()) session.note(note);
+    stop_if_signalled();
+    const Camera camera = camera_from(shot.camera, model, stage.scene(), picture.width, picture.height);
+    const RenderResult result = stage.draw(camera, renderer ? &*renderer : nullptr, session);
+    stop_if_signalled();
+    const std::string output = picture.shots.empty()
+                                   ? picture.output
+                                   : numbered_output(picture.output, taken.size() + 1, shots.size());
+    write_png(to_image(result), output);
+    taken.push_back({output, shot.camera, time, result.stats});
+    print_result(picture, device, taken.back(), session);
+  }
+  if (renderer)
+    for (const std::string& message : renderer->validation_messages()) session.note(message);
+  session.write_json(to_json(picture, device, taken, stage.scene().mesh.triangles.size(), watch.seconds())
                          .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
                      "\n");
 }

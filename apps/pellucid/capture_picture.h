@@ -1,8 +1,10 @@
-// One picture by a capture technique and an effect: what `render` does beyond comparing orders.
+// Pictures by a capture technique and an effect: what `render` does beyond comparing orders.
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "camera_path.h"
 #include "pellucid/metric.h"
 #include "render_scene.h"
 #include "session.h"
@@ -13,6 +15,7 @@ struct CapturePicture {
   std::string input, output, camera_text;
   std::string animation;       // by name or number; empty: at rest
   double time = 0;             // in it, seconds
+  std::vector<Shot> shots;     // several pictures, numbered; empty: one, by camera_text
   bool ignore_orders = false;  // else drawn in the sequence of the file's in-depth orders
   RenderOptions options;
   DeviceOptions device;

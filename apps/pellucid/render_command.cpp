@@ -2,6 +2,7 @@
 // drawn as one of its orders draws it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,8 @@ struct RenderCommand {
   OrderPicture picture = OrderPicture::exact;
   std::string picture_name = "exact";
   std::string camera = "30,20,3";
+  std::uint32_t orbit = 0;  // pictures round the scene; 0: one
+  std::string path;         // cameras of several pictures
   std::string size = "1280x720";
   ShadingOptions shading;
   CapturePicture capture;
@@ -47,15 +50,16 @@ void require_orders(const Scene& scene, const std::string& path) {
 bool draws_orders(const RenderCommand& options) {
   return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
          options.capture.surfaces == Surfaces::uniform && options.capture.animation.empty() &&
-         !is_file_camera(options.camera) && options.capture.options.samples == 1 &&
-         !options.capture.options.cull;
+         !is_file_camera(options.camera) && options.orbit == 0 && options.path.empty() &&
+         options.capture.options.samples == 1 && !options.capture.options.cull;
 }
 
 void run_capture(const RenderCommand& options, Session& session) {
   if (options.picture != OrderPicture::exact) {
     throw Error(ErrorKind::bad_argument, "--order " + options.picture_name +
                                              " is drawn with --technique cpu, --effect transparency and "
-                                             "--surfaces uniform, without --animation and --camera file:");
+                                             "--surfaces uniform, one picture without --animation and "
+                                             "--camera file:");
   }
   if (options.shading.shading != Shading::lit) {
     throw Error(ErrorKind::bad_argument,
@@ -68,6 +72,12 @@ void run_capture(const RenderCommand& options, Session& session) {
   picture.input = options.input;
   picture.output = options.output;
   picture.camera_text = options.camera;
+  if (options.orbit > 0) picture.shots = orbit(options.camera, options.orbit);
+  if (!options.path.empty()) picture.shots = read_camera_path(options.path);
+  const bool timed = std::any_of(picture.shots.begin(), picture.shots.end(),
+                                 [](const Shot& shot) { return shot.time.has_value(); });
+  if (timed && picture.animation.empty())
+    throw Error(ErrorKind::bad_argument, options.path + ": has times, which are those of --animation");
   picture.options.technique = options.technique;
   picture.look = {options.shading.color, options.shading.alpha};
   picture.width = size.width;
@@ -142,6 +152,7 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       "  pellucid render bunny.ply -o depth.png --order original --shading depth\n"
       "  pellucid render bottles.glb -o all.png --technique sb --surfaces file\n"
       "  pellucid render fox.glb -o run.png --technique sb --surfaces file --animation Run --time 0.3\n"
+      "  pellucid render bottles.glb -o turn.png --technique sb --orbit 36\n"
       "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
       1, [options](Session& session) { run_render(*options, session); });
   RenderCommand& o = *options;
@@ -165,6 +176,13 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
                    "file:NUMBER of a camera of the file")
       ->type_name("")
       ->capture_default_str();
+  CLI::Option* orbit =
+      command->add_option("--orbit", o.orbit, "So many pictures round the scene, from --camera on, numbered")
+          ->check(CLI::Range(1, 100'000))
+          ->type_name("N");
+  command->add_option("--path", o.path, "A picture for every line of FILE: a camera, and maybe the time")
+      ->excludes(orbit)
+      ->type_name("FILE");
   CLI::Option* animation = command
                                ->add_option("--animation", o.capture.animation,
                                             "Pose the scene by this animation, by name or number")

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "cli/command_line.h"
 #include "pellucid/base.h"
@@ -119,6 +120,47 @@ TEST(RenderCommand, PosesAndCamerasAreThoseOfTheFile) {
     EXPECT_EQ(count_lines(done.err), 1U) << done.err;
     EXPECT_FALSE(std::filesystem::exists(folder.file("none.png")));
   }
+}
+
+TEST(RenderCommand, OrbitsFromTheCameraOn) {
+  const TemporaryFolder folder;
+  const auto drawn = [&](const Arguments& more) {
+    Arguments arguments{"render", samples().plain, "-o", folder.file("p.png"), "--surfaces", "file", "--size",
+                        "64x48",  "--json",        "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return nlohmann::json::parse(done.out);
+  };
+  drawn({"--camera", "200,10,2"});
+  const nlohmann::json turn = drawn({"--camera", "110,10,2", "--orbit", "4"});
+  ASSERT_EQ(turn["pictures"].size(), 4U);
+  EXPECT_EQ(turn["pictures"][1]["output"], folder.file("p-002.png"));
+  EXPECT_EQ(slurp(folder.file("p-002.png")), slurp(folder.file("p.png")));
+  EXPECT_NE(slurp(folder.file("p-003.png")), slurp(folder.file("p.png")));
+
+  std::ofstream(folder.file("path.txt")) << "# a path\n200,10,2  # here\n\n\t20,10,2\r\n";
+  const nlohmann::json path = drawn({"--path", folder.file("path.txt")});
+  ASSERT_EQ(path["pictures"].size(), 2U);
+  EXPECT_EQ(path["pictures"][0]["fragments"], turn["pictures"][1]["fragments"]);
+  EXPECT_EQ(slurp(folder.file("p-001.png")), slurp(folder.file("p.png")));
+  EXPECT_EQ(path["pictures"][1]["camera"], "20,10,2");
+}
+
+TEST(RenderCommand, RefusesPathsThatAreNone) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& text, const std::string& why, int code) {
+    std::ofstream(folder.file("path.txt")) << text;
+    const Finished done = run_pellucid({"render", samples().plain, "-o", folder.file("p.png"), "--path",
+                                        folder.file("path.txt"), "--size", "16x16"});
+    EXPECT_EQ(done.code, code) << text;
+    EXPECT_NE(done.err.find(why), std::string::npos) << done.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.file("p-001.png")));
+  };
+  refused("30,20,3\n30,20\n", "path.txt:2: '30,20' is no camera", 3);
+  refused("# nothing\n", "path.txt: there are no cameras in it", 3);
+  refused("30,20,3 0.5\n", "path.txt: has times, which are those of --animation", 2);
+  refused("30,20,nan 1\n", "path.txt:1", 3);
 }
 
 #if defined(PELLUCID_WITH_RENDERER)

@@ -1,0 +1,95 @@
+// Several pictures: see camera_path.h.
+#include "camera_path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "file_camera.h"
+#include "pellucid/base.h"
+#include "scene.h"
+
+namespace pellucid::cli {
+namespace {
+
+constexpr std::uint64_t kMostPathBytes = std::uint64_t{1} << 24U;
+constexpr const char* kBlanks = " \t\r";
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
+
+// A number is all of the text.
+std::optional<double> number_in(const std::string& text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc{} && end == text.data() + text.size() && std::isfinite(number);
+  return whole ? std::optional(number) : std::nullopt;
+}
+
+// Names of cameras may have blanks in them: the time is what stands behind the last one, if it is a number.
+Shot shot_of(const std::string& line) {
+  const std::size_t blank = line.find_last_of(kBlanks);
+  if (blank != std::string::npos) {
+    const std::optional<double> time = number_in(line.substr(blank + 1));
+    if (time) return {trimmed(line.substr(0, blank)), time};
+  }
+  return {line, std::nullopt};
+}
+
+}  // namespace
+
+std::vector<Shot> orbit(const std::string& camera, std::uint32_t count) {
+  if (is_file_camera(camera))
+    throw Error(ErrorKind::bad_argument, "--orbit: goes round the scene, so --camera must not be of the file");
+  const Viewpoint start = parse_camera(camera);
+  const double degrees = 180 / std::numbers::pi;
+  const double azimuth = degrees * std::atan2(start.direction.x, start.direction.z);
+  const double elevation = degrees * std::asin(std::clamp(start.direction.y, -1.0, 1.0));
+  std::vector<Shot> shots;
+  for (std::uint32_t i = 0; i < count; ++i)
+    shots.push_back({fmt::format("{:.10g},{:.10g},{:.10g}", azimuth + 360.0 * i / count, elevation, start.distance), {}});
+  return shots;
+}
+
+std::vector<Shot> read_camera_path(const std::string& path) {
+  const std::vector<std::byte> bytes = read_file(path, kMostPathBytes);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::vector<Shot> shots;
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    ++number;
+    const std::string camera = trimmed(line.substr(0, line.find('#')));
+    if (camera.empty()) continue;
+    shots.push_back(shot_of(camera));
+    if (is_file_camera(shots.back().camera)) continue;
+    try {
+      parse_camera(shots.back().camera);
+    } catch (const Error&) {
+      throw Error(ErrorKind::bad_input, fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION,DISTANCE, and "
+                                                    "maybe the time",
+                                                    path, number, camera));
+    }
+  }
+  if (shots.empty()) throw Error(ErrorKind::bad_input, path + ": there are no cameras in it");
+  return shots;
+}
+
+std::string numbered_output(const std::string& output, std::size_t number, std::size_t count) {
+  const std::filesystem::path path(output);
+  const std::size_t digits = std::max<std::size_t>(std::to_string(count).size(), 3);
+  const std::string name =
+      fmt::format("{}-{:0{}}{}", path.stem().string(), number, digits, path.extension().string());
+  return (path.parent_path() / name).string();
+}
+
+}  // namespace pellucid::cli

@@ -47,14 +47,16 @@ Shot shot_of(const std::string& line) {
 
 std::vector<Shot> orbit(const std::string& camera, std::uint32_t count) {
   if (is_file_camera(camera))
-    throw Error(ErrorKind::bad_argument, "--orbit: goes round the scene, so --camera must not be of the file");
+    throw Error(ErrorKind::bad_argument,
+                "--orbit: goes round the scene, so --camera must not be of the file");
   const Viewpoint start = parse_camera(camera);
   const double degrees = 180 / std::numbers::pi;
   const double azimuth = degrees * std::atan2(start.direction.x, start.direction.z);
   const double elevation = degrees * std::asin(std::clamp(start.direction.y, -1.0, 1.0));
   std::vector<Shot> shots;
   for (std::uint32_t i = 0; i < count; ++i)
-    shots.push_back({fmt::format("{:.10g},{:.10g},{:.10g}", azimuth + 360.0 * i / count, elevation, start.distance), {}});
+    shots.push_back(
+        {fmt::format("{:.10g},{:.10g},{:.10g}", azimuth + 360.0 * i / count, elevation, start.distance), {}});
   return shots;
 }
 
@@ -75,9 +77,10 @@ std::vector<Shot> read_camera_path(const std::string& path) {
     try {
       parse_camera(shots.back().camera);
     } catch (const Error&) {
-      throw Error(ErrorKind::bad_input, fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION,DISTANCE, and "
-                                                    "maybe the time",
-                                                    path, number, camera));
+      throw Error(ErrorKind::bad_input,
+                  fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION,DISTANCE, and "
+                              "maybe the time",
+                              path, number, camera));
     }
   }
   if (shots.empty()) throw Error(ErrorKind::bad_input, path + ": there are no cameras in it");

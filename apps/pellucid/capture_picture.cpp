@@ -143,7 +143,7 @@ std::vector<Shot> shots_of(const CapturePicture& picture) {
   return picture.shots;
 }
 
-// The scene as it stands when it is drawn, and what was made of it for that.
+// The scene as it stands when it is drawn, and what is made of it for that.
 class Stage {
  public:
   Stage(const CapturePicture& picture, const Model& model)
@@ -154,7 +154,9 @@ class Stage {
     if (time_ && (*time_ == time || picture_.animation.empty())) return;
     time_ = time;
     scene_ = rest_;
-    if (!picture_.animation.empty() || deforms_) pose_scene(model_, picture_.animation, time, scene_);
+    moment_.time = time;
+    if (!picture_.animation.empty() || deforms_)
+      moment_.animation = pose_scene(model_, picture_.animation, time, scene_);
     notes_.clear();
     drawn_ = make_render_scene(model_, scene_, picture_.surfaces, picture_.look, &notes_);
     loaded_ = false;
@@ -165,8 +167,8 @@ class Stage {
 
   // Null: on the CPU.
   RenderResult draw(const Camera& camera, Renderer* renderer, const Session& session) {
-    if (!picture_.ignore_orders && picture_.animation.empty()) {
-      std::vector<std::uint32_t> sequence = drawing_sequence(scene_, camera);
+    if (!picture_.ignore_orders) {
+      std::vector<std::uint32_t> sequence = drawing_sequence(scene_, camera, moment_);
       loaded_ = loaded_ && sequence == drawn_.sequence;
       drawn_.sequence = std::move(sequence);
     }
@@ -185,6 +187,7 @@ class Stage {
   RenderScene drawn_;
   std::vector<std::string> notes_;
   std::optional<double> time_;
+  Moment moment_;
   bool deforms_;
   bool loaded_ = false;
 };

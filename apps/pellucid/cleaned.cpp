@@ -80,8 +80,9 @@ bool has_transparency_orders(const Primitive& primitive) {
 CleanPrimitive clean_primitive(const Primitive& primitive) {
   CleanMesh clean_mesh = clean(primitive.mesh, {}, primitive.name);
   CleanPrimitive result;
-  if (has_transparency_orders(primitive)) {
-    result.orders = restrict_orders(*primitive.orders, clean_mesh.source, primitive.mesh.triangles.size());
+  if (primitive.orders) {
+    (has_transparency_orders(primitive) ? result.orders : result.overdraw_orders) =
+        restrict_orders(*primitive.orders, clean_mesh.source, primitive.mesh.triangles.size());
   }
   result.mesh = std::move(clean_mesh.mesh);
   return result;

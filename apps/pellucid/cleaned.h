@@ -23,11 +23,11 @@ Mesh compacted(const Mesh& mesh);
 // Does it have orders that promise right pictures of translucent faces? Overdraw orders are none.
 bool has_transparency_orders(const Primitive& primitive);
 
-// A primitive as it is measured and drawn: clean, its transparency orders (if any) referring to the clean
-// mesh.
+// A primitive as it is measured and drawn: clean, its orders (if any) referring to the clean mesh.
 struct CleanPrimitive {
   Mesh mesh;
-  std::optional<OrderSet> orders;
+  std::optional<OrderSet> orders;           // for transparency
+  std::optional<OrderSet> overdraw_orders;  // for opaque faces
 };
 CleanPrimitive clean_primitive(const Primitive& primitive);
 

@@ -79,10 +79,13 @@ void turn_as(const Triangle& drawn, const Triangle& in_file, const SceneObject& 
 
 }  // namespace
 
-void pose_scene(const Model& model, const std::string& animation, double time, Scene& scene) {
+std::optional<std::uint32_t> pose_scene(const Model& model, const std::string& animation, double time,
+                                        Scene& scene) {
   const PosableModel posable(model);
   std::vector<Vec3f> positions = posable.rest_pose();
-  if (!animation.empty()) posable.pose(find_clip(posable, model.path, animation), time, positions);
+  std::optional<std::uint32_t> clip;
+  if (!animation.empty()) clip = find_clip(posable, model.path, animation);
+  if (clip) posable.pose(*clip, time, positions);
   const std::vector<ModelPart>& parts = posable.parts();
   std::size_t next = 0;
   for (const SceneObject& object : scene.objects) {
@@ -98,6 +101,7 @@ void pose_scene(const Model& model, const std::string& animation, double time, S
                 std::span(scene.mesh.normals).subspan(object.first_vertex, static_cast<std::size_t>(count)));
   }
   scene.sphere = bounding_sphere(scene.mesh);
+  return clip;
 }
 
 }  // namespace pellucid::cli

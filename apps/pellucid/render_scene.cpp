@@ -2,6 +2,7 @@
 #include "render_scene.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 #include "pellucid/material.h"
@@ -80,18 +81,76 @@ RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces s
   return out;
 }
 
-std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& camera) {
-  const bool ordered = std::any_of(scene.primitives.begin(), scene.primitives.end(),
-                                   [](const CleanPrimitive& p) { return p.orders.has_value(); });
-  if (!ordered) return {};
-  const std::vector<std::uint32_t> ranks = scene_ranks(scene, DrawOrder::buffers, camera, {});
-  std::vector<std::uint32_t> sequence(scene.mesh.triangles.size());
-  std::iota(sequence.begin(), sequence.end(), 0U);
+namespace {
+
+// Triangles by the rank of the first of their sides.
+void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t first_triangle,
+                     std::uint32_t triangle_count, std::vector<std::uint32_t>& sequence) {
   const auto rank = [&](std::uint32_t t) {
     return std::min(ranks[node_of(t, false)], ranks[node_of(t, true)]);
   };
-  std::stable_sort(sequence.begin(), sequence.end(),
+  std::vector<std::uint32_t> own(triangle_count);
+  std::iota(own.begin(), own.end(), 0U);
+  std::stable_sort(own.begin(), own.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
+  for (const std::uint32_t t : own) sequence.push_back(first_triangle + t);
+}
+
+// Which of its overdraw orders draws a primitive; none for animations that they were not made for.
+std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& camera, const Moment& moment) {
+  if (!moment.animation) {
+    return select_order(set, camera.perspective ? camera.eye - set.sphere.center : -camera.forward);
+  }
+  for (std::size_t i = 0; i < set.animations.size(); ++i) {
+    const KeyFrameTable& table = set.animations[i];
+    if (table.animation != *moment.animation) continue;
+    if (camera.perspective) return select_order_at(set, i, moment.time, camera.eye);
+    return select_order(set, i, nearest_key_frame(table, moment.time), -camera.forward);
+  }
+  return std::nullopt;
+}
+
+// Objects with overdraw orders, each with the order that draws it, as they come.
+struct OverdrawObject {
+  std::uint32_t object = 0, order = 0;
+  std::uint32_t rank = 0;  // among those of the model
+};
+std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& camera, const Moment& moment) {
+  std::vector<OverdrawObject> chosen;
+  for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
+    const std::optional<OrderSet>& set = scene.primitives[scene.objects[o].primitive].overdraw_orders;
+    if (!set) continue;
+    const std::optional<std::uint32_t> order = overdraw_order(*set, camera, moment);
+    if (order) chosen.push_back({o, *order, set->model_ranks.empty() ? 0 : set->model_ranks[*order]});
+  }
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [](const OverdrawObject& a, const OverdrawObject& b) { return a.rank < b.rank; });
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& camera, const Moment& moment) {
+  const bool in_depth =
+      !moment.animation && std::any_of(scene.primitives.begin(), scene.primitives.end(),
+                                       [](const CleanPrimitive& p) { return p.orders.has_value(); });
+  const std::vector<OverdrawObject> opaque = overdraw_objects(scene, camera, moment);
+  std::vector<std::uint32_t> sequence;
+  if (!in_depth && opaque.empty()) return sequence;
+  std::vector<std::uint8_t> drawn(scene.mesh.triangles.size(), 0);
+  for (const OverdrawObject& chosen : opaque) {
+    const SceneObject& object = scene.objects[chosen.object];
+    const CleanPrimitive& primitive = scene.primitives[object.primitive];
+    const auto count = static_cast<std::uint32_t>(primitive.mesh.triangles.size());
+    append_in_order(ranks_of(primitive.overdraw_orders->orders[chosen.order], count), object.first_triangle,
+                    count, sequence);
+  }
+  for (const std::uint32_t t : sequence) drawn[t] = 1;
+  std::vector<std::uint32_t> others;
+  append_in_order(scene_ranks(scene, DrawOrder::buffers, camera, {}), 0,
+                  static_cast<std::uint32_t>(drawn.size()), others);
+  std::copy_if(others.begin(), others.end(), std::back_inserter(sequence),
+               [&](std::uint32_t t) { return drawn[t] == 0; });
   return sequence;
 }
 

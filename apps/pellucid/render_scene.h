@@ -1,6 +1,8 @@
 // What the renderer draws of a Scene, and how its surfaces look.
 #pragma once
 
+#include <optional>
+
 #include "pellucid/render.h"
 #include "pellucid/shading.h"
 #include "scene.h"
@@ -17,8 +19,15 @@ enum class Surfaces {
 RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces,
                               const SurfaceLook& look, std::vector<std::string>* notes = nullptr);
 
-// The sequence in which the file's in-depth orders draw the triangles for a camera; empty where it has none.
-// A triangle comes where the first of its sides does, and last where no order has it.
-std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& camera);
+// When the scene is drawn: at rest, or at a time (seconds) of an animation of the file.
+struct Moment {
+  std::optional<std::uint32_t> animation;
+  double time = 0;
+};
+
+// The sequence in which the file's orders draw the triangles for a camera; empty where it has none. Objects
+// with overdraw orders come first, in the sequence of their ranks, the others front to back. In-depth orders
+// are not for poses. A triangle comes where the first of its sides does, and last where no order has it.
+std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& camera, const Moment& moment);
 
 }  // namespace pellucid::cli

@@ -314,5 +314,31 @@ TEST(OverdrawCommand, SubdividesForMeasurements) {
   EXPECT_EQ(json["key_frames"], 3);
 }
 
+#if defined(PELLUCID_WITH_RENDERER)
+// What is drawn first stays: the sequence of drawing is that of the orders, at rest and in motion.
+TEST(OverdrawCommand, RendersInTheSequenceOfTheOrders) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out.glb");
+  ASSERT_EQ(run_pellucid({"overdraw", moving_shells(folder), "-o", out, "--baselines", "none", "--measure",
+                          "4", "--size", "64", "--viewpoints", "12"})
+                .code,
+            0);
+  const auto drawn = [&](const std::string& technique, const Arguments& more) {
+    Arguments arguments{"render", out,      "-o",    folder.file("p.png"), "--technique", technique, "--k",
+                        "1",      "--size", "96x64", "--plain-resolve"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return slurp(folder.file("p.png"));
+  };
+  for (const Arguments& moment : {Arguments{}, Arguments{"--animation", "out", "--time", "0.5"}}) {
+    Arguments as_stored = moment;
+    as_stored.push_back("--ignore-orders");
+    EXPECT_NE(drawn("fab", moment), drawn("fab", as_stored));
+    EXPECT_EQ(drawn("kb", moment), drawn("kb", as_stored));
+  }
+}
+#endif
+
 }  // namespace
 }  // namespace pellucid::testing

@@ -25,6 +25,15 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->type_name("N")
       ->capture_default_str();
   command
+      .add_option("--pool", options.pool,
+                  "Nodes of techniques that store in a pool; 0: as many as are needed")
+      ->type_name("N")
+      ->capture_default_str();
+  add_choice(
+      command, "--overflow", options.overflow, {{"nearest", Overflow::nearest}, {"exact", Overflow::exact}},
+      "Where --pool is too small: nearest keeps the nearest, the rest is averaged (default); exact takes "
+      "more rounds");
+  command
       .add_option("--frames", picture.frames, "Draw so often: the time is the median of all but the first")
       ->check(CLI::Range(1, 1000))
       ->type_name("N")

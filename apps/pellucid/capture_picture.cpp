@@ -38,12 +38,13 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
   const CaptureStats& stats = taken.stats;
   session.print(fmt::format(
       "{}: {}x{}, {} by {} on {}\n{} fragments on {} {}, at most {}; {} coplanar; captured {}{}\n"
-      "{} geometry passes, {}, {:.1f} ms\n",
+      "{}{} geometry passes, {}, {:.1f} ms\n",
       taken.output, picture.width, picture.height, named(picture.options.effect).name,
       picture.options.technique, device, format_count(stats.fragments), format_count(stats.covered_pixels),
       picture.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
       format_percent(stats.captured_share()),
       stats.overflowed > 0 ? fmt::format(", {} found no place", format_count(stats.overflowed)) : "",
+      stats.rounds > 0 ? fmt::format("{} {}, ", stats.rounds, stats.rounds == 1 ? "round" : "rounds") : "",
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
 }
 
@@ -52,6 +53,7 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"captured", stats.captured},
           {"r_h", stats.captured_share()},
           {"overflowed", stats.overflowed},
+          {"pool_exceeded", stats.pool_exceeded},
           {"coplanar", stats.coplanar},
           {"coplanar_pixels", stats.coplanar_pixels},
           {"covered_pixels", stats.covered_pixels},

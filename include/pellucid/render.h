@@ -109,6 +109,17 @@ struct NamedEffect {
 };
 std::span<const NamedEffect> render_effects();
 
+// What becomes of fragments that a pool has no room for. Needs 64-bit atomics.
+enum class Overflow {
+  // Of every pixel the nearest are kept, in all as many as the pool has nodes; the others are counted and,
+  // where
+  // the effect blends, are seen behind them as one layer of their weighted average colour with the product of
+  // their transmittances.
+  nearest,
+  // All are captured, in as many rounds as it takes: `multikb` in the pool.
+  exact
+};
+
 struct TechniqueInfo {
   std::string name;            // "f2b-2p"
   std::string title;           // "front-to-back peeling, two coplanar fragments a round"
@@ -120,6 +131,8 @@ struct TechniqueInfo {
   std::string bytes_formula;   // of a pixel
   bool multisampled = false;   // RenderOptions::samples
   bool can_cull = false;       // RenderOptions::cull
+  bool pooled = false;         // RenderOptions::overflow
+  bool budgeted = false;       // RenderOptions::memory
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
   bool needs_atomics64 = false, needs_layered = false;
 };
@@ -139,9 +152,13 @@ struct RenderOptions {
   // shading, depth and fragments included, so that edges are right where surfaces intersect and coincide,
   // too. Opaque surfaces are captured like all others then.
   std::uint32_t samples = 1;
-  // Nodes of techniques that store in a pool; 0: as many as there are fragments. What finds no place is
-  // counted.
+  // Nodes of techniques that store in a pool; 0: as many as there are fragments. Where these are more:
+  // `overflow`.
   std::uint64_t pool = 0;
+  Overflow overflow = Overflow::nearest;
+  // Bytes of buffers of techniques that keep to a budget; 0: as many as they need. Pictures are cut into
+  // bands where the budget is too small for what is kept of every pixel.
+  std::uint64_t memory = 0;
   // Sort with an insertion sort of a local array, as is common: to measure against.
   bool plain_resolve = false;
   // Techniques that peel with the depth test or from both ends: do not draw again what is peeled completely.
@@ -159,6 +176,7 @@ struct CaptureStats {
   std::uint64_t fragments = 0;
   std::uint64_t captured = 0;    // that the effect was given
   std::uint64_t overflowed = 0;  // that found no place
+  bool pool_exceeded = false;    // RenderOptions::overflow decided what became of them
   std::uint64_t coplanar = 0;    // captured ones at the depth of another one of their pixel
   std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
   std::uint64_t deepest_pixel = 0;      // most fragments of a pixel

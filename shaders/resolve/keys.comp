@@ -5,13 +5,10 @@
 #include "../interface/keys.glsl"
 #include "effects.glsl"
 #include "tally.glsl"
-// Fold kK slots of keys (A) and colours (C), which are in depth order already. With kVariant 1 there are more rounds:
-// the state goes on from the last one, and the last key (B) says where the next one begins.
+// Fold kK slots of keys (A) and colours (C), which are in depth order already.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
-layout(std430, set = 0, binding = SLOT_STATE_FRONT) buffer States { State states[]; };
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Keys { uint64_t keys[]; };
-layout(std430, set = 0, binding = SLOT_B) buffer Last { uint64_t last[]; };
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Colors { uint colors[]; };
 
 void main() {
@@ -22,16 +19,9 @@ void main() {
     State state = effect_init();
     uint64_t previous = uint64_t(0);
     uint run = 0u;  // fragments at the depth of the last one, beside it
-    bool pixel_counted = false;
-    if (kVariant == 1u && push.round > 0u) {
-      state = states[index];
-      previous = last[index] & kKeyBits;
-      run = (last[index] & kCountedFragment) != uint64_t(0) ? 1u : 0u;
-      pixel_counted = (last[index] & kCountedPixel) != uint64_t(0);
-    }
     uint captured = 0u;
     uint coplanar = 0u;
-    bool done = effect_is_done(state);
+    bool done = false;
     for (uint i = 0u; i < kK; ++i) {
       const uint64_t key = keys[kK * index + i];
       if (key == kNoKey || key == uint64_t(0) || key == previous) continue;
@@ -43,13 +33,8 @@ void main() {
       if (!done) effect_step(state, index, Fragment(key_depth(key), key_id(key), colors[kK * index + i]));
       done = done || effect_is_done(state);
     }
-    if (kVariant == 1u) {
-      states[index] = state;
-      last[index] = previous | (run > 0u ? kCountedFragment : uint64_t(0)) |
-                    (pixel_counted || coplanar > 0u ? kCountedPixel : uint64_t(0));
-    }
     picture[index] = effect_finish(state, index);
-    tally(captured, coplanar, !pixel_counted, captured == kK);
+    tally(captured, coplanar, true, false);
   }
   end_tally();
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 
 #include "device/recorder.h"
@@ -55,6 +56,7 @@ struct Frame {
   std::uint32_t width = 0, height = 0;              // of the band; samples of a pixel are columns
   std::uint32_t first_row = 0, picture_height = 0;  // where it lies
   std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
+  std::span<const std::uint32_t> counts{};          // of every pixel
   Buffer counters;
   std::uint64_t technique_bytes = 0;
 

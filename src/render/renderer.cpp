@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <numeric>
 #include <optional>
 
+#include "capture/nearest_rounds.h"
 #include "capture/technique.h"
 #include "culling.h"
 #include "effects.h"
@@ -83,7 +85,7 @@ FrameData frame_data(const Camera& camera, const Frame& frame) {
 OwnedQueryPool make_timestamps(Context& context) {
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .queryType = VK_QUERY_TYPE_TIMESTAMP,
-                                   .queryCount = kTimestamps};
+                                   .queryCount = kMostTimestamps};
   VkQueryPool pool = VK_NULL_HANDLE;
   check(vkCreateQueryPool(context.device(), &info, nullptr, &pool), "creating queries");
   return {context.device(), pool};
@@ -97,7 +99,9 @@ struct Renderer::Implementation {
       : context(options),
         pipelines(context),
         timestamps(render::make_timestamps(context)),
-        unused(context, "unused slot", 16) {}
+        unused(context, "unused slot", 16),
+        left_after(context, "pixels left after rounds", 4 * render::kMostRounds,
+                   render::MemoryKind::readback) {}
 
   // What a draw() is about.
   struct Job {
@@ -112,11 +116,14 @@ struct Renderer::Implementation {
   };
 
   void draw_band(const Job& job, const Band& band, RenderResult& result);
+  // Where the pool of the technique that was asked for does not suffice.
+  [[nodiscard]] std::unique_ptr<render::Technique> make_for_small_pool(const Job& job,
+                                                                       const render::Frame& frame) const;
   render::Frame make_frame(const Job& job, const Band& band);
   // What is opaque, where the effect blends; afterwards the rest remains to be drawn.
   void draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats);
   // Fragments of every pixel.
-  std::vector<std::uint32_t> count(const Job& job, render::Frame& frame);
+  std::vector<std::uint32_t> count(const Job& job, render::Frame& frame, CaptureStats& stats);
   std::optional<render::Culling> start_culling(const Job& job, const render::Frame& frame,
                                                CaptureStats& stats);
   void capture(const Job& job, render::Frame& frame, render::Technique& technique, RenderResult& result,
@@ -124,6 +131,13 @@ struct Renderer::Implementation {
   // Record, submit, time.
   void run(const Job& job, const render::Frame& frame, CaptureStats& stats,
            const std::function<void(render::Recorder&)>& record);
+  void read_times(std::uint32_t count, CaptureStats& stats) const;
+  // All rounds of a technique that peels.
+  void peel(const Job& job, render::Frame& frame, render::Technique& technique, CaptureStats& stats);
+  // `count` rounds in one submission; returns after how many of them nothing was left, count + 1: never.
+  std::uint32_t peel_together(const Job& job, render::Frame& frame, render::Technique& technique,
+                              std::uint32_t first, std::uint32_t count, const render::Culling* culling,
+                              CaptureStats& stats);
   void read_picture(const render::Frame& frame, RenderResult& result);
   void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump,
                       RenderResult& result);
@@ -133,7 +147,8 @@ struct Renderer::Implementation {
   render::OwnedQueryPool timestamps;
   std::optional<render::GpuScene> scene;
   std::optional<render::OpaqueLayer> opaque;
-  render::Buffer unused;  // in slots that a shader mentions but does not reach
+  render::Buffer unused;      // in slots that a shader mentions but does not reach
+  render::Buffer left_after;  // pixels that the next round may find something for, after each of some rounds
   render::Buffer frame_buffer, picture, dump;
 };
 
@@ -153,6 +168,7 @@ render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& b
 void Renderer::Implementation::run(const Job& job, const render::Frame& frame, CaptureStats& stats,
                                    const std::function<void(render::Recorder&)>& record) {
   stop_if_requested(job.progress);
+  std::uint32_t timestamps_used = 0;
   context.submit([&](VkCommandBuffer commands) {
     render::Recorder recorder(context, commands, unused, timestamps.get());
     recorder.bind(render::Slot::frame, frame_buffer);
@@ -170,17 +186,24 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
     recorder.begin_time();
     record(recorder);
     recorder.end_time();
+    timestamps_used = recorder.timestamps();
     stats.geometry_passes += recorder.geometry_passes();
     stats.fullscreen_passes += recorder.fullscreen_passes();
   });
-  std::array<std::uint64_t, render::kTimestamps> ticks{};
+  read_times(timestamps_used, stats);
+}
+
+// Begin, pairs of begin and end of resolves, end.
+void Renderer::Implementation::read_times(std::uint32_t count, CaptureStats& stats) const {
+  std::array<std::uint64_t, render::kMostTimestamps> ticks{};
   render::check(
-      vkGetQueryPoolResults(context.device(), timestamps.get(), 0, render::kTimestamps, sizeof ticks,
-                            ticks.data(), sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+      vkGetQueryPoolResults(context.device(), timestamps.get(), 0, count, sizeof ticks, ticks.data(),
+                            sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
       "reading timestamps");
   const double milliseconds_per_tick = context.nanoseconds_per_tick() * 1e-6;
-  stats.milliseconds += static_cast<double>(ticks[2] - ticks[0]) * milliseconds_per_tick;
-  stats.resolve_milliseconds += static_cast<double>(ticks[2] - ticks[1]) * milliseconds_per_tick;
+  stats.milliseconds += static_cast<double>(ticks.at(count - 1) - ticks[0]) * milliseconds_per_tick;
+  for (std::size_t i = 1; i + 2 < count; i += 2)
+    stats.resolve_milliseconds += static_cast<double>(ticks.at(i + 1) - ticks.at(i)) * milliseconds_per_tick;
 }
 
 void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats) {
@@ -203,12 +226,12 @@ void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& 
   pipelines.use_features(scene->features() | (needed ? render::behind_opaque : 0U));
 }
 
-std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, render::Frame& frame) {
+std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, render::Frame& frame,
+                                                           CaptureStats& stats) {
   const render::Buffer counts(context, "fragment counts", 4 * frame.pixels());
   const render::FrameData data = render::frame_data(job.camera, frame);
   render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
-  CaptureStats ignored;
-  run(job, frame, ignored, [&](render::Recorder& recorder) {
+  run(job, frame, stats, [&](render::Recorder& recorder) {
     recorder.bind(render::Slot::a, counts);
     recorder.fill(counts, 0);
     recorder.barrier();
@@ -218,6 +241,7 @@ std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, rende
   counts.download(context, std::as_writable_bytes(std::span(values)));
   frame.fragments = std::accumulate(values.begin(), values.end(), std::uint64_t{0});
   frame.deepest = *std::max_element(values.begin(), values.end());
+  frame.counts = values;
   return values;
 }
 
@@ -228,6 +252,68 @@ std::optional<render::Culling> Renderer::Implementation::start_culling(const Job
   std::optional<render::Culling> culling(std::in_place, frame);
   run(job, frame, stats, [&](render::Recorder& recorder) { culling->start(recorder); });
   return culling;
+}
+
+std::uint32_t Renderer::Implementation::peel_together(const Job& job, render::Frame& frame,
+                                                      render::Technique& technique, std::uint32_t first,
+                                                      std::uint32_t count, const render::Culling* culling,
+                                                      CaptureStats& stats) {
+  const bool known = technique.known_rounds() > 0;
+  CaptureStats recorded;  // with the passes of rounds that are left out
+  std::array<std::array<std::uint32_t, 2>, render::kMostRounds + 1> passes{};  // before each round
+  run(job, frame, recorded, [&](render::Recorder& recorder) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      recorder.barrier();
+      const bool conditional = i > 0 && !known;
+      if (conditional) recorder.begin_if(left_after, i - 1);
+      if (culling != nullptr) recorder.draw_groups(culling->groups(), culling->predicates());
+      technique.peel(frame, recorder, first + i);
+      if (culling != nullptr) {
+        recorder.barrier();
+        culling->test(frame, recorder, technique.box_shader());
+      }
+      recorder.end_resolve();
+      if (conditional) recorder.end_if();
+      recorder.copy_word(frame.counters, offsetof(render::Counters, active_pixels), left_after, 4 * i);
+      passes.at(i + 1) = {recorder.geometry_passes(), recorder.fullscreen_passes()};
+    }
+    recorder.barrier_to_host();
+  });
+  std::array<std::uint32_t, render::kMostRounds> left{};
+  left_after.download(context, std::as_writable_bytes(std::span(left)));
+  const auto* const none = std::find(left.begin(), left.begin() + count, 0U);
+  const std::uint32_t used = known ? count + 1 : static_cast<std::uint32_t>(none - left.begin()) + 1;
+  stats.geometry_passes += passes.at(std::min(used, count))[0];
+  stats.fullscreen_passes += passes.at(std::min(used, count))[1];
+  stats.milliseconds += recorded.milliseconds;
+  stats.resolve_milliseconds += recorded.resolve_milliseconds;
+  return used;
+}
+
+void Renderer::Implementation::peel(const Job& job, render::Frame& frame, render::Technique& technique,
+                                    CaptureStats& stats) {
+  const std::optional<render::Culling> culling = start_culling(job, frame, stats);
+  const render::Culling* groups = culling ? &*culling : nullptr;
+  // Else a round per depth layer and pair of coplanar fragments at most, and one that finds nothing.
+  const bool known = technique.known_rounds() > 0;
+  const std::uint64_t most = known ? technique.known_rounds() : frame.deepest + 2;
+  const bool together = !culling && (known || context.info().conditional);
+  std::uint64_t drawn = 0;
+  std::uint32_t round = 0;
+  while (round < most) {
+    if (culling) drawn += culling->triangles_left(context);
+    const auto count =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(together ? render::kMostRounds : 1, most - round));
+    const std::uint32_t used = peel_together(job, frame, technique, round, count, groups, stats);
+    round += std::min(used, count);
+    if (!known && used <= count) break;
+  }
+  stats.rounds += round;
+  run(job, frame, stats, [&](render::Recorder& recorder) { technique.finish(frame, recorder); });
+  if (culling) {
+    const std::uint64_t all = culling->triangles() * round;
+    stats.drawn_share = all == 0 ? 1 : static_cast<double>(drawn) / static_cast<double>(all);
+  }
 }
 
 void Renderer::Implementation::capture(const Job& job, render::Frame& frame, render::Technique& technique,
@@ -252,35 +338,9 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     recorder.fill(frame.counters, 0);
     technique.start(frame, recorder);
   });
+  if (technique.peels()) peel(job, frame, technique, stats);
   render::Counters counters{};
-  const auto read_counters = [&] {
-    frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1)));
-  };
-  if (technique.peels()) {
-    const std::optional<render::Culling> culling = start_culling(job, frame, stats);
-    std::uint64_t drawn = 0;
-    // A round per depth layer and pair of coplanar fragments at most, and one that finds nothing.
-    const std::uint64_t most_rounds = frame.deepest + 2;
-    for (std::uint32_t round = 0; round < most_rounds; ++round) {
-      if (culling) drawn += culling->triangles_left(context);
-      run(job, frame, stats, [&](render::Recorder& recorder) {
-        if (culling) recorder.draw_groups(culling->groups(), culling->predicates());
-        technique.peel(frame, recorder, round);
-        if (!culling) return;
-        recorder.barrier();
-        culling->test(frame, recorder, technique.box_shader());
-      });
-      ++stats.rounds;
-      read_counters();
-      if (counters.active_pixels == 0) break;
-    }
-    run(job, frame, stats, [&](render::Recorder& recorder) { technique.finish(frame, recorder); });
-    if (culling) {
-      const std::uint64_t all = culling->triangles() * stats.rounds;
-      stats.drawn_share = all == 0 ? 1 : static_cast<double>(drawn) / static_cast<double>(all);
-    }
-  }
-  read_counters();
+  frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1)));
   stats.fragments += frame.fragments;
   // Hardware blending takes every fragment, and counts none.
   if (job.options.statistics) {
@@ -338,15 +398,40 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   if (band.rows > 1 && 32 * frame.pixels() > most) return halves();
   CaptureStats before;
   draw_opaque(job, frame, before);
-  const std::vector<std::uint32_t> counts = count(job, frame);
-  const std::unique_ptr<render::Technique> technique = job.technique.make();
+  CaptureStats counting;
+  const std::vector<std::uint32_t> counts = count(job, frame, counting);
+  const bool pool_exceeded = job.technique.info.pooled && frame.fragments > frame.capacity();
+  const std::unique_ptr<render::Technique> technique =
+      pool_exceeded ? make_for_small_pool(job, frame) : job.technique.make();
   const std::uint64_t needed =
       std::max(technique->largest_buffer(frame),
                job.effect == render::kDumpEffect ? 4 * (frame.pixels() + 1) + 8 * frame.fragments : 0);
-  if (band.rows > 1 && needed > most) return halves();
+  const bool over_budget = job.options.memory != 0 && technique->least_bytes(frame) > job.options.memory;
+  if (band.rows > 1 && (needed > most || over_budget)) return halves();
+  if (over_budget) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--memory: {} bytes do not hold what is kept of a row of pixels: {} bytes",
+                            job.options.memory, technique->least_bytes(frame)));
+  }
+  result.stats.pool_exceeded = result.stats.pool_exceeded || pool_exceeded;
   result.stats.milliseconds += before.milliseconds;
   result.stats.geometry_passes += before.geometry_passes;
+  if (technique->needs_counts()) {
+    result.stats.milliseconds += counting.milliseconds;
+    result.stats.geometry_passes += counting.geometry_passes;
+  }
   capture(job, frame, *technique, result, counts);
+}
+
+std::unique_ptr<render::Technique> Renderer::Implementation::make_for_small_pool(
+    const Job& job, const render::Frame& frame) const {
+  if (!context.info().atomics64) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("the pool has {} nodes for {} fragments, and what is done then needs 64-bit "
+                            "atomics, which {} has not",
+                            frame.capacity(), frame.fragments, context.info().name));
+  }
+  return render::nearest_rounds_in_pool(job.options.overflow);
 }
 
 Renderer::Renderer(const DeviceOptions& options)
@@ -484,7 +569,7 @@ OverdrawCount Renderer::count_overdraw(const Camera& camera) {
   render::Frame frame = self.make_frame(job, {0, camera.height});
   CaptureStats ignored;
   self.draw_opaque(job, frame, ignored);
-  const std::vector<std::uint32_t> counts = self.count(job, frame);
+  const std::vector<std::uint32_t> counts = self.count(job, frame, ignored);
   const render::Image depth = frame.make_image("depth", VK_FORMAT_D32_SFLOAT);
   self.run(job, frame, ignored, [&](render::Recorder& recorder) {
     recorder.fill(frame.counters, 0);

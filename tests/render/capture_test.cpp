@@ -169,16 +169,10 @@ class Bounded : public ::testing::Test {
   }
 };
 
-bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Fragment& f, const Fragment& g) {
-    return f.depth == g.depth && f.node == g.node;
-  });
-}
-
 TEST_F(Bounded, KBufferKeepsTheNearest) {
   for (const std::uint32_t k : {1U, 3U, 8U}) {
     for_pixels("kb", k, [&](std::span<const Fragment> captured, std::span<const Fragment> all) {
-      EXPECT_TRUE(same_fragments(captured, all.first(std::min<std::size_t>(k, all.size()))));
+      EXPECT_TRUE(testing::same_fragments(captured, all.first(std::min<std::size_t>(k, all.size()))));
     });
   }
 }

@@ -186,6 +186,12 @@ float difference(const Vec3f& a, const Vec3f& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
 
+bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Fragment& f, const Fragment& g) {
+    return f.depth == g.depth && f.node == g.node;
+  });
+}
+
 std::vector<Fragment> pixel_of(const CapturedFragments& captured, std::size_t pixel) {
   std::vector<Fragment> list(
       captured.fragments.begin() + static_cast<std::ptrdiff_t>(captured.offsets[pixel]),

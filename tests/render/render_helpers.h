@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ FragmentBuffer cpu_fragments(const RenderScene& scene, const Camera& camera);
 
 // The largest of a channel.
 float difference(const Vec3f& a, const Vec3f& b);
+
+// The same depths and ids in the same sequence.
+bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b);
 
 // Fragments of a pixel, coincident ones by their ids.
 std::vector<Fragment> pixel_of(const CapturedFragments& captured, std::size_t pixel);

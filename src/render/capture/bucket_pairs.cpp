@@ -33,7 +33,7 @@ class BucketPairs final : public Technique {
     recorder.barrier();
     recorder.dispatch(frame.pipelines.compute("capture/clear_bounds.comp", {}), frame.tiles_x(),
                       frame.tiles_y());
-    recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, 2 * k, 1}),
+    recorder.dispatch(frame.pipelines.compute("capture/clear_keys.comp", {frame.effect, 2 * k}),
                       frame.tiles_x(), frame.tiles_y());
     recorder.barrier();
     frame.gather(recorder, "capture/bounds.frag", {});
@@ -50,7 +50,7 @@ class BucketPairs final : public Technique {
     frame.gather(recorder, "capture/pair_colors.frag", constants);
     recorder.barrier();
     recorder.begin_resolve();
-    recorder.dispatch(frame.pipelines.compute("resolve/keys.comp", {frame.effect, 2 * k, 0}), frame.tiles_x(),
+    recorder.dispatch(frame.pipelines.compute("resolve/keys.comp", {frame.effect, 2 * k}), frame.tiles_x(),
                       frame.tiles_y());
   }
 

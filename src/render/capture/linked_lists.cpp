@@ -56,7 +56,8 @@ TechniqueEntry linked_lists() {
            .captures = "all that the pool has room for",
            .passes_formula = "1",
            .bytes_formula = "16 N + 4",
-           .multisampled = true},
+           .multisampled = true,
+           .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(false)); }};
 }
 
@@ -67,7 +68,8 @@ TechniqueEntry bucketed_lists() {
            .captures = "all that the pool has room for",
            .passes_formula = "2",
            .bytes_formula = "16 N + 4 K + 8",
-           .multisampled = true},
+           .multisampled = true,
+           .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(true)); }};
 }
 

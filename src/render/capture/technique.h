@@ -15,6 +15,11 @@ class Technique {
   Technique& operator=(const Technique&) = delete;
   virtual ~Technique() = default;
 
+  // Does it read Frame::counts? The pass that counts is one of its passes then.
+  [[nodiscard]] virtual bool needs_counts() const { return false; }
+  // Of those that keep to RenderOptions::memory: what they need for a picture at least. Where that is more,
+  // the picture is cut into bands.
+  [[nodiscard]] virtual std::uint64_t least_bytes(const Frame& /*frame*/) const { return 0; }
   // Bytes of the largest buffer that it needs for a picture: where it is too large, the picture is cut into
   // bands.
   [[nodiscard]] virtual std::uint64_t largest_buffer(const Frame& frame) const = 0;
@@ -24,6 +29,8 @@ class Technique {
   // Techniques that peel: one round, until one leaves nothing to be found (counters.active_pixels is 0 then).
   virtual void peel(Frame& /*frame*/, Recorder& /*recorder*/, std::uint32_t /*round*/) {}
   [[nodiscard]] virtual bool peels() const { return false; }
+  // Of those that peel and know, after allocate(), how many rounds there will be; 0: they do not.
+  [[nodiscard]] virtual std::uint64_t known_rounds() const { return 0; }
   // Those with TechniqueInfo::can_cull: the shader that says, after a round, whether a box can have fragments
   // left; what the round bound stays bound (culling.h).
   [[nodiscard]] virtual std::string_view box_shader() const { return ""; }

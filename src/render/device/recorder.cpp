@@ -51,6 +51,17 @@ void Recorder::barrier() {
   vkCmdPipelineBarrier2(commands_, &dependency);
 }
 
+void Recorder::barrier_to_host() {
+  const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                 .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                 .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                 .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
+                                 .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT};
+  const VkDependencyInfo dependency{
+      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
+  vkCmdPipelineBarrier2(commands_, &dependency);
+}
+
 void Recorder::fill(const Buffer& buffer, std::uint32_t word) {
   fill(buffer, word, 0, VK_WHOLE_SIZE);
 }
@@ -133,7 +144,7 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       begin_if(*predicates_, i);
       draw_range(groups_[i], pipeline, attachments.layers);
-      context_.end_conditional()(commands_);
+      end_if();
     }
   }
   vkCmdEndRendering(commands_);
@@ -174,6 +185,16 @@ void Recorder::begin_if(const Buffer& predicates, std::size_t index) {
   context_.begin_conditional()(commands_, &info);
 }
 
+void Recorder::end_if() {
+  context_.end_conditional()(commands_);
+}
+
+void Recorder::copy_word(const Buffer& from, std::uint64_t from_offset, const Buffer& to,
+                         std::uint64_t to_offset) {
+  const VkBufferCopy region{.srcOffset = from_offset, .dstOffset = to_offset, .size = sizeof(std::uint32_t)};
+  vkCmdCopyBuffer(commands_, from.get(), to.get(), 1, &region);
+}
+
 void Recorder::draw_groups(std::span<const DrawRange> groups, const Buffer& predicates) {
   groups_ = groups;
   predicates_ = &predicates;
@@ -201,7 +222,7 @@ void Recorder::draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeli
     vkCmdBeginQuery(commands_, boxes.queries, i, 0);
     vkCmdDrawIndexed(commands_, boxes.index_count, 1, 0, static_cast<std::int32_t>(8 * i), 0);
     vkCmdEndQuery(commands_, boxes.queries, i);
-    context_.end_conditional()(commands_);
+    end_if();
   }
   vkCmdEndRendering(commands_);
   barrier();
@@ -227,25 +248,32 @@ void Recorder::dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& ar
 }
 
 void Recorder::begin_time() {
-  vkCmdResetQueryPool(commands_, timestamps_, 0, kTimestamps);
-  write_timestamp(0);
+  vkCmdResetQueryPool(commands_, timestamps_, 0, kMostTimestamps);
+  write_timestamp();
 }
 
 void Recorder::begin_resolve() {
   if (resolves_) return;
   resolves_ = true;
-  write_timestamp(1);
+  write_timestamp();
+}
+
+void Recorder::end_resolve() {
+  if (!resolves_) return;
+  resolves_ = false;
+  barrier();
+  write_timestamp();
 }
 
 void Recorder::end_time() {
   barrier();
-  begin_resolve();
-  write_timestamp(2);
+  end_resolve();
+  write_timestamp();
 }
 
-void Recorder::write_timestamp(std::uint32_t query) {
+void Recorder::write_timestamp() {
   // Some drivers let a timestamp slip into the next pass: a barrier right behind it holds it where it is.
-  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, query);
+  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, used_timestamps_++);
   barrier();
 }
 

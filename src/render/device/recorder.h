@@ -46,7 +46,10 @@ enum class Slot : std::uint32_t {
   opaque
 };
 
-constexpr std::uint32_t kTimestamps = 3;
+// Rounds of a technique that peels that one submission may have, and timestamps: begin, begin and end of the
+// resolve of each, end.
+constexpr std::uint32_t kMostRounds = 8;
+constexpr std::uint32_t kMostTimestamps = 2 + 2 * kMostRounds;
 
 struct PushConstants {
   std::uint32_t first_triangle = 0;
@@ -80,7 +83,7 @@ struct QueriedBoxes {
 class Recorder {
  public:
   // All buffer slots hold `unused` until something else is bound.
-  // `timestamps`: three queries, for begin, begin of the resolve and end.
+  // `timestamps`: kMostTimestamps queries.
   Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused, VkQueryPool timestamps);
 
   void bind(Slot slot, const Buffer& buffer);
@@ -90,6 +93,7 @@ class Recorder {
   // Before the first use of an image.
   void prepare(const Image& image);
   void barrier();
+  void barrier_to_host();  // for what the host reads after the submission
   void fill(const Buffer& buffer, std::uint32_t word);
   void fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes);
 
@@ -106,9 +110,16 @@ class Recorder {
   void count_fullscreen_pass() { ++fullscreen_passes_; }
 
   void begin_time();
-  // What was captured is sorted and folded from here on.
+  // What was captured is sorted and folded from here on, until end_resolve() or end_time().
   void begin_resolve();
+  void end_resolve();
   void end_time();
+  [[nodiscard]] std::uint32_t timestamps() const { return used_timestamps_; }
+
+  // Draws and dispatches in between are left out where the word at `index` is 0, not those of draw_groups().
+  void begin_if(const Buffer& predicates, std::size_t index);
+  void end_if();
+  void copy_word(const Buffer& from, std::uint64_t from_offset, const Buffer& to, std::uint64_t to_offset);
 
   [[nodiscard]] std::uint32_t geometry_passes() const { return geometry_passes_; }
   [[nodiscard]] std::uint32_t fullscreen_passes() const { return fullscreen_passes_; }
@@ -116,15 +127,15 @@ class Recorder {
  private:
   void push_state(VkPipelineBindPoint point);
   void push_words();
-  void begin_if(const Buffer& predicates, std::size_t index);
   void set_window(const Attachments& attachments);
   void draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers);
-  void write_timestamp(std::uint32_t query);
+  void write_timestamp();
   void number_stencils(const VkRect2D& area, std::uint32_t layers);
 
   Context& context_;
   VkCommandBuffer commands_;
   VkQueryPool timestamps_;
+  std::uint32_t used_timestamps_ = 0;
   bool resolves_ = false;
   std::span<const DrawRange> groups_;
   const Buffer* predicates_ = nullptr;

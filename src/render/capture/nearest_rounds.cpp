@@ -1,0 +1,135 @@
+// Bounded memory, exact all the same: see nearest_rounds.h. A round takes the nearest fragments of each pixel
+// behind the last key (depth, id) of the round before, as many as its share of the pool has places; how many
+// there are in all was counted, so the number of rounds is known. Keys go through a chain of 64-bit atomic
+// minima, which needs no order of the fragments, unlike the k-buffer of Bavoil et al. (I3D 2007), and no
+// second try, unlike that of Liu et al. (HPG 2009); a second pass over the fragments brings the colours.
+#include "nearest_rounds.h"
+
+#include <bit>
+
+#include "buffer_techniques.h"
+#include "pool_shares.h"
+
+namespace pellucid::render {
+namespace {
+
+constexpr std::uint64_t kPlaceBytes = 12;   // key, colour
+constexpr std::uint64_t kStateBytes = 32;
+constexpr std::uint64_t kPixelBytes = kStateBytes + 12;  // last key, first place
+// Buffers are not smaller than 16 bytes: four places.
+constexpr std::uint64_t kLeastPoolBytes = 4 * kPlaceBytes;
+constexpr std::uint64_t kTailBytes = 20;    // of a pixel: shaders/capture/tail.glsl
+// Insertion costs what a share has places; beyond this, another round is cheaper.
+constexpr std::uint32_t kMostPlaces = 64;
+
+enum class Budget { options, pool };
+
+class NearestRounds final : public Technique {
+ public:
+  NearestRounds(Budget budget, Overflow overflow) : budget_(budget), overflow_(overflow) {}
+
+  [[nodiscard]] bool needs_counts() const override { return true; }
+  [[nodiscard]] std::uint64_t least_bytes(const Frame& frame) const override {
+    return budget_ == Budget::pool ? 0 : kPixelBytes * frame.pixels() + 4 + kLeastPoolBytes;
+  }
+  [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
+    const std::uint64_t keys = 8 * std::min(places(frame), frame.fragments);
+    return std::max(keys, kStateBytes * frame.pixels());
+  }
+
+  void allocate(Frame& frame) override {
+    const std::uint64_t allowed = places(frame);
+    const PoolShares shares = overflow_ == Overflow::nearest
+                                  ? divide_once(frame.counts, allowed)
+                                  : divide_for_rounds(frame.counts, allowed, most_places(frame));
+    const std::uint64_t needed = shares.firsts.back();
+    window_ = static_cast<std::uint32_t>(std::min(allowed, needed));
+    windows_ = window_ == 0 ? 1 : static_cast<std::uint32_t>((needed + window_ - 1) / window_);
+    rounds_of_window_ = overflow_ == Overflow::nearest ? 1 : std::max(shares.rounds, 1U);
+    keys_ = frame.make_buffer("fragment keys", 8 * std::uint64_t{window_});
+    colors_ = frame.make_buffer("fragment colours", 4 * std::uint64_t{window_});
+    last_ = frame.make_buffer("last keys", 8 * frame.pixels());
+    states_ = frame.make_buffer("states", loses() ? 0 : kStateBytes * frame.pixels());
+    firsts_ = frame.make_buffer("shares of the pool", 4 * (frame.pixels() + 1));
+    upload<std::uint32_t>(frame.context, firsts_, shares.firsts);
+    if (loses()) tail_ = frame.make_buffer("tail", kTailBytes * frame.pixels());
+  }
+
+  void start(Frame& /*frame*/, Recorder& recorder) override {
+    recorder.fill(keys_, 0xFFFFFFFFU);
+    if (tail_) recorder.fill(tail_, 0);
+  }
+
+  [[nodiscard]] bool peels() const override { return true; }
+  [[nodiscard]] std::uint64_t known_rounds() const override {
+    return std::uint64_t{windows_} * rounds_of_window_;
+  }
+  void peel(Frame& frame, Recorder& recorder, std::uint32_t round) override {
+    recorder.bind(Slot::a, keys_);
+    recorder.bind(Slot::b, last_);
+    recorder.bind(Slot::c, colors_);
+    recorder.bind(Slot::d, firsts_);
+    recorder.bind(Slot::state_front, states_);
+    if (tail_) recorder.bind(Slot::e, tail_);
+    const std::uint32_t round_of_window = round % rounds_of_window_;
+    recorder.push().round = round_of_window;
+    recorder.push().p = {round / rounds_of_window_ * window_, window_,
+                         round_of_window + 1 == rounds_of_window_ ? 1U : 0U, tail_unit(frame)};
+    const Constants constants{frame.effect, 0, loses() ? 1U : 0U};
+    frame.gather(recorder, "capture/share_keys.frag", {});
+    recorder.barrier();
+    frame.gather(recorder, "capture/share_colors.frag", constants);
+    recorder.barrier();
+    recorder.begin_resolve();
+    recorder.dispatch(frame.pipelines.compute("resolve/shares.comp", constants), frame.tiles_x(),
+                      frame.tiles_y());
+  }
+
+ private:
+  [[nodiscard]] bool loses() const { return overflow_ == Overflow::nearest; }
+  [[nodiscard]] std::uint32_t most_places(const Frame& frame) const {
+    return budget_ == Budget::options && frame.options.memory == 0 ? frame.options.k : kMostPlaces;
+  }
+  // Of the pool.
+  [[nodiscard]] std::uint64_t places(const Frame& frame) const {
+    if (budget_ == Budget::pool) return frame.options.pool;
+    if (frame.options.memory == 0) return frame.options.k * frame.pixels();
+    const std::uint64_t fixed = kPixelBytes * frame.pixels() + 4;
+    return frame.options.memory > fixed ? (frame.options.memory - fixed) / kPlaceBytes : 0;
+  }
+  // A sum of absorptions up to 16 each has to fit into a word.
+  [[nodiscard]] static std::uint32_t tail_unit(const Frame& frame) {
+    constexpr std::uint64_t kFinest = 1U << 20U;
+    const std::uint64_t fits = (std::uint64_t{1} << 28U) / std::max<std::uint64_t>(frame.deepest, 1);
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_floor(fits), 1, kFinest));
+  }
+
+  Budget budget_;
+  Overflow overflow_;
+  std::uint32_t window_ = 0, windows_ = 1, rounds_of_window_ = 1;
+  Buffer keys_, colors_, last_, states_, firsts_, tail_;
+};
+
+}  // namespace
+
+std::unique_ptr<Technique> nearest_rounds_in_pool(Overflow overflow) {
+  return std::make_unique<NearestRounds>(Budget::pool, overflow);
+}
+
+TechniqueEntry multi_k_buffer() {
+  return {{.name = "multikb",
+           .title = "the k nearest fragments a round, until all are there: exact in any memory",
+           .paper = "Liu et al. 2009",
+           .captures = "all",
+           .passes_formula = "1 + 2 ceil(N / K)",
+           .bytes_formula = "12 min(N, K) + 44",
+           .multisampled = true,
+           .budgeted = true,
+           .needs_atomics64 = true},
+          [] {
+            return std::unique_ptr<Technique>(
+                std::make_unique<NearestRounds>(Budget::options, Overflow::exact));
+          }};
+}
+
+}  // namespace pellucid::render

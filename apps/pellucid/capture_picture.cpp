@@ -54,6 +54,7 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"r_h", stats.captured_share()},
           {"overflowed", stats.overflowed},
           {"pool_exceeded", stats.pool_exceeded},
+          {"repaired_pixels", stats.repaired_pixels},
           {"coplanar", stats.coplanar},
           {"coplanar_pixels", stats.coplanar_pixels},
           {"covered_pixels", stats.covered_pixels},

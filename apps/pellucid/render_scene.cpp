@@ -83,16 +83,27 @@ RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces s
 
 namespace {
 
-// Triangles by the rank of the first of their sides.
+// Is the front of the triangle seen? Counter-clockwise ones show it.
+bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera) {
+  const Triangle& t = mesh.triangles[triangle];
+  const Vec3d a = to_double(mesh.positions[t[0]]);
+  const Vec3d normal = cross(to_double(mesh.positions[t[1]]) - a, to_double(mesh.positions[t[2]]) - a);
+  return dot(normal, camera.perspective ? camera.eye - a : -camera.forward) > 0;
+}
+
+// Triangles by their ranks, those that are given for nodes by that of the side that is seen.
 void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t first_triangle,
-                     std::uint32_t triangle_count, std::vector<std::uint32_t>& sequence) {
-  const auto rank = [&](std::uint32_t t) {
-    return std::min(ranks[node_of(t, false)], ranks[node_of(t, true)]);
-  };
-  std::vector<std::uint32_t> own(triangle_count);
+                     const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& sequence) {
+  std::vector<std::uint32_t> own(ranks.size() / 2);
+  std::vector<std::uint32_t> seen(own.size());
   std::iota(own.begin(), own.end(), 0U);
+  for (const std::uint32_t t : own) {
+    const bool front = shows_front(scene.mesh, first_triangle + t, camera);
+    const std::uint32_t rank = ranks[node_of(t, !front)];
+    seen[t] = rank != kNoRank ? rank : ranks[node_of(t, front)];
+  }
   std::stable_sort(own.begin(), own.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
+                   [&](std::uint32_t a, std::uint32_t b) { return seen[a] < seen[b]; });
   for (const std::uint32_t t : own) sequence.push_back(first_triangle + t);
 }
 
@@ -143,12 +154,11 @@ std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& ca
     const CleanPrimitive& primitive = scene.primitives[object.primitive];
     const auto count = static_cast<std::uint32_t>(primitive.mesh.triangles.size());
     append_in_order(ranks_of(primitive.overdraw_orders->orders[chosen.order], count), object.first_triangle,
-                    count, sequence);
+                    scene, camera, sequence);
   }
   for (const std::uint32_t t : sequence) drawn[t] = 1;
   std::vector<std::uint32_t> others;
-  append_in_order(scene_ranks(scene, DrawOrder::buffers, camera, {}), 0,
-                  static_cast<std::uint32_t>(drawn.size()), others);
+  append_in_order(scene_ranks(scene, DrawOrder::buffers, camera, {}), 0, scene, camera, others);
   std::copy_if(others.begin(), others.end(), std::back_inserter(sequence),
                [&](std::uint32_t t) { return drawn[t] == 0; });
   return sequence;

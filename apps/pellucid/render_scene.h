@@ -27,7 +27,8 @@ struct Moment {
 
 // The sequence in which the file's orders draw the triangles for a camera; empty where it has none. Objects
 // with overdraw orders come first, in the sequence of their ranks, the others front to back. In-depth orders
-// are not for poses. A triangle comes where the first of its sides does, and last where no order has it.
+// are not for poses. A triangle comes where the side that faces the camera does, and last where no order has
+// it.
 std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& camera, const Moment& moment);
 
 }  // namespace pellucid::cli

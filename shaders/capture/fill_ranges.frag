@@ -3,18 +3,21 @@
 #include "../interface/frame.glsl"
 #include "../interface/fragment_input.glsl"
 #include "../interface/counters.glsl"
+#if defined(MARKED)
+layout(early_fragment_tests) in;  // what the stencil test keeps out leaves nothing here
+#endif
 // S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: depths of all nodes,
-// then their ids and colours.
+// then their ids and colours. push.p3 is the number of nodes.
 layout(std430, set = 0, binding = SLOT_B) buffer Ends { uint ends[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {
   const uint place = atomicAdd(ends[fragment_pixel()], 1u);
-  if (place >= frame.capacity) {
+  if (place >= push.p3) {
     atomicAdd(counters.overflowed, 1u);
     return;
   }
   nodes[place] = floatBitsToUint(gl_FragCoord.z);
-  const uint word = frame.capacity + 2u * place;
+  const uint word = push.p3 + 2u * place;
   nodes[word] = fragment_id();
   nodes[word + 1u] = fragment_color();
 }

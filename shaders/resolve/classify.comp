@@ -35,6 +35,8 @@ void main() {
   if (gl_LocalInvocationIndex != 0u) return;
   atomicMax(counters.deepest, deepest_pixel);
   atomicAdd(counters.covered, covered_pixels);
+  // kVariant as in lists.comp: where nothing is to be repaired nothing is done.
+  if ((kVariant & 2u) != 0u && deepest_list == 0u) return;
   put_tile(class_of(deepest_list), gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x,
            gl_NumWorkGroups.x * gl_NumWorkGroups.y);
 }

@@ -13,8 +13,10 @@
 // everyone does, to measure against: insertion sort of a local array of ROOM, whatever the length.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
-// With kVariant 1 nothing is counted, so that a pixel is left where nothing behind can be seen.
-const bool kCounts = kVariant == 0u;
+// Bits of kVariant. 1: nothing is counted, so that a pixel is left where nothing behind can be seen. 2: pixels
+// without fragments stay as they are.
+const bool kCounts = (kVariant & 1u) == 0u;
+const bool kRepairs = (kVariant & 2u) != 0u;
 State state;
 uint folded = 0u;
 uint coplanar = 0u;
@@ -193,7 +195,7 @@ void main() {
     const uint index = pixel_index(pixel);
     state = effect_init();
     for (uint bucket = 0u; bucket < bucket_count() && !stops(); ++bucket) fold_bucket(index, bucket);
-    picture[index] = effect_finish(state, index);
+    if (!kRepairs || folded > 0u) picture[index] = effect_finish(state, index);
     tally(folded, coplanar, true, false);
   }
   end_tally();

@@ -1,13 +1,13 @@
-// Where a buffer technique left the fragments of a pixel: RANGES (S-buffer), LISTS (linked lists, perhaps in buckets)
+// Where a buffer technique left the fragments of a pixel: RANGES (S-buffer; push.p3 nodes), LISTS (linked lists, perhaps in buckets)
 // ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular sequence: next() gives whole
 // fragments, next_depth() a depth and the node whose id and colour fragment_at() gets.
 #if defined(RANGES)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Ends { uint ends[]; };
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };
-uint stored_begin(uint pixel) { return min(ends[pixel] - counts[pixel], frame.capacity); }
-uint stored_count(uint pixel) { return min(ends[pixel], frame.capacity) - stored_begin(pixel); }
-uint depth_words() { return frame.capacity; }
+uint stored_begin(uint pixel) { return min(ends[pixel] - counts[pixel], push.p3); }
+uint stored_count(uint pixel) { return min(ends[pixel], push.p3) - stored_begin(pixel); }
+uint depth_words() { return push.p3; }
 #elif defined(ARRAYS)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_C) readonly buffer Nodes { uint nodes[]; };

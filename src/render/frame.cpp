@@ -25,8 +25,8 @@ const ScenePipeline& Pipelines::scene(const GraphicsSpec& given) {
   spec.samples = samples_;
   std::string key = fmt::format("{} {} {} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
                                 static_cast<int>(spec.blend), static_cast<int>(spec.depth),
-                                static_cast<int>(spec.depth_test), spec.depth_write, spec.route_by_stencil,
-                                spec.clamp_depth, spec.samples);
+                                static_cast<int>(spec.depth_test), spec.depth_write,
+                                static_cast<int>(spec.stencil), spec.clamp_depth, spec.samples);
   for (const VkFormat format : spec.colors) key.append(" c").append(std::to_string(static_cast<int>(format)));
   append(key, spec.constants);
   const auto found = scene_.find(key);

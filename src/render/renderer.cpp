@@ -333,12 +333,13 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     render::upload<std::uint32_t>(context, dump, words);
   }
   technique.allocate(frame);
-  stats.bytes = std::max(stats.bytes, frame.technique_bytes);
   run(job, frame, stats, [&](render::Recorder& recorder) {
     recorder.fill(frame.counters, 0);
     technique.start(frame, recorder);
   });
+  technique.allocate_rounds(frame);
   if (technique.peels()) peel(job, frame, technique, stats);
+  stats.bytes = std::max(stats.bytes, frame.technique_bytes);
   render::Counters counters{};
   frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1)));
   stats.fragments += frame.fragments;
@@ -348,6 +349,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     stats.coplanar += counters.coplanar;
     stats.coplanar_pixels += counters.coplanar_pixels;
   }
+  if (job.technique.info.blends_only && job.technique.info.exact) stats.repaired_pixels += counters.covered;
   stats.overflowed += counters.overflowed;
   stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
   stats.covered_pixels += static_cast<std::uint64_t>(

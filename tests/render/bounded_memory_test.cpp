@@ -35,7 +35,8 @@ void expect_all(const RenderResult& result, const FragmentBuffer& all, const std
   EXPECT_EQ(result.stats.overflowed, 0U) << what;
   ASSERT_EQ(result.fragments.offsets.size(), all.offsets.size()) << what;
   for (std::size_t p = 0; p + 1 < all.offsets.size(); ++p)
-    ASSERT_TRUE(testing::same_fragments(testing::pixel_of(result.fragments, p), all.pixel(p))) << what << ", pixel " << p;
+    ASSERT_TRUE(testing::same_fragments(testing::pixel_of(result.fragments, p), all.pixel(p)))
+        << what << ", pixel " << p;
 }
 
 void expect_same_picture(const RenderResult& a, const RenderResult& b, float most, const std::string& what) {
@@ -68,10 +69,8 @@ TEST_F(BoundedMemory, ExactInAnyPool) {
   for (const char* technique : {"sb", "ll", "bun-ll"}) {
     for (const std::uint64_t pool : {std::uint64_t{40}, std::uint64_t{700}, expected.stats.fragments - 1}) {
       if (pool == 40 && std::string(technique) != "sb") continue;  // long, and the same for all
-      const RenderResult result = draw(scene, {.technique = technique,
-                                               .pool = pool,
-                                               .overflow = Overflow::exact,
-                                               .keep_fragments = true});
+      const RenderResult result = draw(
+          scene, {.technique = technique, .pool = pool, .overflow = Overflow::exact, .keep_fragments = true});
       const std::string what = std::string(technique) + " " + std::to_string(pool);
       expect_all(result, all, what);
       expect_same_picture(result, expected, 1e-4F, what);
@@ -118,7 +117,8 @@ TEST_F(BoundedMemory, BudgetInBytesIsKept) {
   const RenderResult expected = draw(scene, {.technique = "sb", .plain_resolve = true});
   std::uint32_t rounds = 1000000;
   // From bands of a few rows on.
-  for (const std::uint64_t memory : {44ULL * 24 * 4 + 500, 44ULL * 24 * 24 + 3000, 44ULL * 24 * 24 + 100000}) {
+  for (const std::uint64_t memory :
+       {44ULL * 24 * 4 + 500, 44ULL * 24 * 24 + 3000, 44ULL * 24 * 24 + 100000}) {
     const RenderResult result =
         draw(scene, {.technique = "multikb", .memory = memory, .keep_fragments = true});
     expect_all(result, all, std::to_string(memory));
@@ -136,11 +136,10 @@ TEST_F(BoundedMemory, AllEffectsGoOnFromRoundToRound) {
   for (const NamedEffect& effect : render_effects()) {
     const RenderResult expected =
         draw(scene, {.technique = "sb", .effect = effect.effect, .plain_resolve = true});
-    const RenderResult result =
-        draw(scene, {.technique = "sb",
-                     .effect = effect.effect,
-                     .pool = expected.stats.fragments / 3,
-                     .overflow = Overflow::exact});
+    const RenderResult result = draw(scene, {.technique = "sb",
+                                             .effect = effect.effect,
+                                             .pool = expected.stats.fragments / 3,
+                                             .overflow = Overflow::exact});
     EXPECT_GT(result.stats.rounds, 1U) << effect.name;
     expect_same_picture(result, expected, 1e-4F, effect.name);
   }
@@ -150,8 +149,7 @@ TEST_F(BoundedMemory, NearestAreKeptAndTheRestIsCounted) {
   const RenderScene scene = testing::random_stack(33, 60);
   const FragmentBuffer all = testing::cpu_fragments(scene, testing::unit_camera(24, 24));
   for (const std::uint64_t pool : {50U, 1000U, 1500U}) {
-    const RenderResult result =
-        draw(scene, {.technique = "ll", .pool = pool, .keep_fragments = true});
+    const RenderResult result = draw(scene, {.technique = "ll", .pool = pool, .keep_fragments = true});
     EXPECT_TRUE(result.stats.pool_exceeded);
     EXPECT_EQ(result.stats.captured, pool);
     EXPECT_EQ(result.stats.overflowed, all.fragments.size() - pool);
@@ -248,12 +246,10 @@ TEST_F(BoundedMemory, Samples) {
   if (!testing::test_renderer().info().multisampling) GTEST_SKIP();
   const RenderScene scene = testing::random_stack(35, 40);
   const RenderResult expected = draw(scene, {.technique = "sb", .samples = 4, .plain_resolve = true}, 12);
-  const RenderResult result = draw(scene,
-                                   {.technique = "sb",
-                                    .samples = 4,
-                                    .pool = expected.stats.fragments / 2,
-                                    .overflow = Overflow::exact},
-                                   12);
+  const RenderResult result = draw(
+      scene,
+      {.technique = "sb", .samples = 4, .pool = expected.stats.fragments / 2, .overflow = Overflow::exact},
+      12);
   EXPECT_EQ(result.stats.captured, expected.stats.captured);
   expect_same_picture(result, expected, 1e-4F, "4 samples");
 }

@@ -5,6 +5,10 @@
 
 namespace pellucid::render {
 
+// Premultiplied colours, and 1 - transmittance.
+constexpr VkFormat kBlended = VK_FORMAT_R32G32B32A32_SFLOAT;
+
 TechniqueEntry plain_blend();
+TechniqueEntry verified_blend();
 
 }  // namespace pellucid::render

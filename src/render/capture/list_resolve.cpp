@@ -20,9 +20,9 @@ void ListResolve::allocate(Frame& frame) {
   tiles_ = frame.make_buffer("list of tiles", 4 * kClasses.size() * (3 + tiles));
 }
 
-void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k) const {
+void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k, bool repairs) const {
   recorder.begin_resolve();
-  const Constants constants{frame.effect, k, frame.options.statistics ? 0U : 1U};
+  const Constants constants{frame.effect, k, (frame.options.statistics ? 0U : 1U) | (repairs ? 2U : 0U)};
   recorder.bind(Slot::e, tiles_);
   recorder.dispatch(frame.pipelines.compute("resolve/clear_tiles.comp", {}), 1, 1);
   recorder.barrier();

@@ -13,7 +13,8 @@ class ListResolve {
   explicit ListResolve(std::string storage) : storage_(std::move(storage)) {}
   void allocate(Frame& frame);
   // Slots a, b, c hold the storage; `k` is its constant kK.
-  void record(Frame& frame, Recorder& recorder, std::uint32_t k) const;
+  // With `repairs`, pixels without fragments keep what the picture has there.
+  void record(Frame& frame, Recorder& recorder, std::uint32_t k, bool repairs = false) const;
 
  private:
   std::string storage_;

@@ -13,12 +13,12 @@
 namespace pellucid::render {
 namespace {
 
-constexpr std::uint64_t kPlaceBytes = 12;   // key, colour
+constexpr std::uint64_t kPlaceBytes = 12;  // key, colour
 constexpr std::uint64_t kStateBytes = 32;
 constexpr std::uint64_t kPixelBytes = kStateBytes + 12;  // last key, first place
 // Buffers are not smaller than 16 bytes: four places.
 constexpr std::uint64_t kLeastPoolBytes = 4 * kPlaceBytes;
-constexpr std::uint64_t kTailBytes = 20;    // of a pixel: shaders/capture/tail.glsl
+constexpr std::uint64_t kTailBytes = 20;  // of a pixel: shaders/capture/tail.glsl
 // Insertion costs what a share has places; beyond this, another round is cheaper.
 constexpr std::uint32_t kMostPlaces = 64;
 
@@ -117,19 +117,19 @@ std::unique_ptr<Technique> nearest_rounds_in_pool(Overflow overflow) {
 }
 
 TechniqueEntry multi_k_buffer() {
-  return {{.name = "multikb",
-           .title = "the k nearest fragments a round, until all are there: exact in any memory",
-           .paper = "Liu et al. 2009",
-           .captures = "all",
-           .passes_formula = "1 + 2 ceil(N / K)",
-           .bytes_formula = "12 min(N, K) + 44",
-           .multisampled = true,
-           .budgeted = true,
-           .needs_atomics64 = true},
-          [] {
-            return std::unique_ptr<Technique>(
-                std::make_unique<NearestRounds>(Budget::options, Overflow::exact));
-          }};
+  return {
+      {.name = "multikb",
+       .title = "the k nearest fragments a round, until all are there: exact in any memory",
+       .paper = "Liu et al. 2009",
+       .captures = "all",
+       .passes_formula = "1 + 2 ceil(N / K)",
+       .bytes_formula = "12 min(N, K) + 44",
+       .multisampled = true,
+       .budgeted = true,
+       .needs_atomics64 = true},
+      [] {
+        return std::unique_ptr<Technique>(std::make_unique<NearestRounds>(Budget::options, Overflow::exact));
+      }};
 }
 
 }  // namespace pellucid::render

@@ -1,6 +1,6 @@
-// nearest_rounds.h - the nearest fragments of every pixel in a pool that is too small for all, again and again
-// behind the last ones (MultiKB), or once: what techniques that store in a pool turn to when it does not
-// suffice.
+// nearest_rounds.h - the nearest fragments of every pixel in a pool that is too small for all, again and
+// again behind the last ones (MultiKB), or once: what techniques that store in a pool turn to when it does
+// not suffice.
 #pragma once
 
 #include "technique.h"

@@ -5,8 +5,6 @@
 namespace pellucid::render {
 namespace {
 
-constexpr VkFormat kBlended = VK_FORMAT_R32G32B32A32_SFLOAT;
-
 class PlainBlend final : public Technique {
  public:
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {

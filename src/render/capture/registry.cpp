@@ -29,6 +29,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
       linked_lists(),
       s_buffer(),
       plain_blend(),
+      verified_blend(),
   };
   return kEntries;
 }

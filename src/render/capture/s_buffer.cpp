@@ -21,6 +21,7 @@ class SBuffer final : public Technique {
     recorder.bind(Slot::a, counts_);
     recorder.bind(Slot::b, ends_);
     recorder.bind(Slot::c, nodes_);
+    recorder.push().p[3] = static_cast<std::uint32_t>(frame.capacity());
     recorder.fill(counts_, 0);
     recorder.barrier();
     frame.gather(recorder, "capture/count.frag", {});

@@ -31,6 +31,8 @@ class StencilRouting final : public Technique {
     Attachments attachments = frame.attachments();
     attachments.colors = {&nodes_};
     attachments.depth = &stencil_;
+    attachments.stencil = true;
+    attachments.number_stencils = true;
     attachments.layers = k;
     recorder.draw(frame.scene,
                   frame.pipelines.scene({.fragment_shader = "capture/route_layers.frag",
@@ -38,7 +40,7 @@ class StencilRouting final : public Technique {
                                          .colors = {kNodes},
                                          .depth = kStencil,
                                          .vertex_shader = "interface/layered.vert",
-                                         .route_by_stencil = true}),
+                                         .stencil = Stencil::route}),
                   attachments);
     recorder.barrier();
     resolve_.record(frame, recorder, k);

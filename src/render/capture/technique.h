@@ -26,6 +26,8 @@ class Technique {
   // Buffers and images of a band, and what has to be done once before the first round.
   virtual void allocate(Frame& frame) = 0;
   virtual void start(Frame& frame, Recorder& recorder) = 0;
+  // Once start() is done: what it counted on the device may decide how much memory the rounds need.
+  virtual void allocate_rounds(Frame& /*frame*/) {}
   // Techniques that peel: one round, until one leaves nothing to be found (counters.active_pixels is 0 then).
   virtual void peel(Frame& /*frame*/, Recorder& /*recorder*/, std::uint32_t /*round*/) {}
   [[nodiscard]] virtual bool peels() const { return false; }

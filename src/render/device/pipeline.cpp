@@ -65,22 +65,34 @@ VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
 
 VkCompareOp compare_op(DepthTest test) {
   if (test == DepthTest::equal) return VK_COMPARE_OP_EQUAL;
+  if (test == DepthTest::greater) return VK_COMPARE_OP_GREATER;
   return test == DepthTest::less ? VK_COMPARE_OP_LESS : VK_COMPARE_OP_LESS_OR_EQUAL;
 }
 
+VkStencilOpState stencil_state(Stencil use) {
+  VkStencilOpState state{.failOp = VK_STENCIL_OP_KEEP,
+                         .passOp = VK_STENCIL_OP_KEEP,
+                         .depthFailOp = VK_STENCIL_OP_KEEP,
+                         .compareOp = VK_COMPARE_OP_ALWAYS,
+                         .compareMask = 0xFF,
+                         .writeMask = 0xFF};
+  if (use == Stencil::route) {
+    state.failOp = state.passOp = state.depthFailOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP;
+    state.compareOp = VK_COMPARE_OP_EQUAL;
+    state.reference = 2;
+  }
+  if (use == Stencil::mark) state.depthFailOp = VK_STENCIL_OP_INCREMENT_AND_CLAMP;
+  if (use == Stencil::marked) state.compareOp = VK_COMPARE_OP_NOT_EQUAL;
+  return state;
+}
+
 VkPipelineDepthStencilStateCreateInfo depth_state(const GraphicsSpec& spec) {
-  const VkStencilOpState stencil{.failOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
-                                 .passOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
-                                 .depthFailOp = VK_STENCIL_OP_DECREMENT_AND_CLAMP,
-                                 .compareOp = VK_COMPARE_OP_EQUAL,
-                                 .compareMask = 0xFF,
-                                 .writeMask = 0xFF,
-                                 .reference = 2};
+  const VkStencilOpState stencil = stencil_state(spec.stencil);
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
           .depthTestEnable = spec.depth_test != DepthTest::none ? VK_TRUE : VK_FALSE,
           .depthWriteEnable = spec.depth_write ? VK_TRUE : VK_FALSE,
           .depthCompareOp = compare_op(spec.depth_test),
-          .stencilTestEnable = spec.route_by_stencil ? VK_TRUE : VK_FALSE,
+          .stencilTestEnable = spec.stencil != Stencil::none ? VK_TRUE : VK_FALSE,
           .front = stencil,
           .back = stencil};
 }

@@ -20,7 +20,13 @@ std::span<const std::string_view> shader_names();
 using Constants = std::vector<std::uint32_t>;
 
 enum class Blend { none, max, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
-enum class DepthTest { none, less, less_or_equal, equal };
+enum class DepthTest { none, less, less_or_equal, equal, greater };
+enum class Stencil {
+  none,
+  route,   // pass where it equals 2, then decrement what passed and what failed alike
+  mark,    // count what fails the depth test
+  marked,  // pass where it is not 0
+};
 
 struct GraphicsSpec {
   std::string_view fragment_shader;  // empty: depth only
@@ -31,8 +37,7 @@ struct GraphicsSpec {
   DepthTest depth_test = DepthTest::none;
   bool depth_write = false;
   std::string_view vertex_shader = "interface/scene.vert";
-  // Stencil: pass where it equals the reference, then decrement what passed and what failed alike.
-  bool route_by_stencil = false;
+  Stencil stencil = Stencil::none;
   std::uint32_t samples = 1;  // each is shaded by itself
   bool clamp_depth = false;   // in place of clipping at the near and the far plane
 };

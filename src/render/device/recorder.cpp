@@ -120,7 +120,7 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
     depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
     depth.loadOp = attachments.load_depth ? VK_ATTACHMENT_LOAD_OP_LOAD : load;
     depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    depth.clearValue.depthStencil = {.depth = 1.0F, .stencil = 0};
+    depth.clearValue.depthStencil = {.depth = attachments.clear_depth, .stencil = 0};
   }
   const VkRect2D area{.offset = {0, 0}, .extent = {attachments.width, attachments.height}};
   const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
@@ -129,9 +129,9 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
                                   .colorAttachmentCount = static_cast<std::uint32_t>(colors.size()),
                                   .pColorAttachments = colors.data(),
                                   .pDepthAttachment = attachments.depth != nullptr ? &depth : nullptr,
-                                  .pStencilAttachment = attachments.layers > 1 ? &depth : nullptr};
+                                  .pStencilAttachment = attachments.stencil ? &depth : nullptr};
   vkCmdBeginRendering(commands_, &rendering);
-  if (attachments.layers > 1) number_stencils(area, attachments.layers);
+  if (attachments.number_stencils) number_stencils(area, attachments.layers);
   set_window(attachments);
   push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
   const std::array<VkBuffer, 2> vertices{scene.positions.get(), scene.normals.get()};

@@ -61,13 +61,16 @@ static_assert(sizeof(PushConstants) <= kPushBytes);
 struct Attachments {
   std::vector<const Image*> colors;
   const Image* depth = nullptr;
-  bool clear = true;        // colours to `clear_color`, depth to 1; else loaded
+  bool clear = true;        // colours to `clear_color`, depth to `clear_depth`, stencils to 0; else loaded
   bool load_depth = false;  // with `clear`: only the colours
   VkClearColorValue clear_color{};
+  float clear_depth = 1;
+  bool stencil = false;                 // `depth` has one, which is used
+  bool number_stencils = false;         // with `clear`: they start at their layer + 2
   std::uint32_t width = 0, height = 0;  // of the pass
   std::int32_t first_row = 0;           // of the band in the picture
   std::uint32_t picture_height = 0;
-  std::uint32_t layers = 1;  // more: one instance to each; stencils start at their layer + 2
+  std::uint32_t layers = 1;  // more: one instance to each
 };
 
 // Boxes that are drawn one by one, each with a query whose result decides whether it is drawn the next time.

@@ -1,0 +1,123 @@
+// Order-verified blending: blending in the sequence of drawing, which in-depth orders make right nearly
+// everywhere, and exact capture where it was not.
+//
+// Front to back, every fragment lies behind all that were drawn before it. The depth test says whether it
+// does: GREATER, with depth written, lets it through and blends it under the others; what fails is nearer than
+// something already blended, or as near, and counts up its pixel's stencil. Marked pixels, and only these, are
+// captured by an S-buffer behind the stencil test and drawn anew: the picture is exact whatever the sequence
+// was. Opaque surfaces are drawn first and discard in the shader, so that they mark nothing.
+#include "blending_techniques.h"
+#include "list_resolve.h"
+
+namespace pellucid::render {
+namespace {
+
+constexpr VkFormat kDepthAndMarks = VK_FORMAT_D32_SFLOAT_S8_UINT;
+constexpr std::uint64_t kNodeBytes = 12;
+
+class VerifiedBlend final : public Technique {
+ public:
+  // If all pixels were marked.
+  [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
+    return std::max(kNodeBytes * frame.fragments, 16 * frame.pixels());
+  }
+  void allocate(Frame& frame) override {
+    blended_ = frame.make_image("blended colours", kBlended);
+    marks_ = frame.make_image("depths and marks", kDepthAndMarks);
+    counts_ = frame.make_buffer("marked fragments", 4 * frame.pixels());
+    ends_ = frame.make_buffer("marked ranges", 4 * frame.pixels());
+    resolve_.allocate(frame);
+  }
+  void start(Frame& frame, Recorder& recorder) override {
+    blend(frame, recorder);
+    count_marked(frame, recorder);
+  }
+  // The repair is a round of its own: how much memory it takes is known by now.
+  [[nodiscard]] bool peels() const override { return true; }
+  [[nodiscard]] std::uint64_t known_rounds() const override { return 1; }
+  void allocate_rounds(Frame& frame) override {
+    Counters counters{};
+    frame.counters.download(frame.context, std::as_writable_bytes(std::span(&counters, 1)));
+    marked_ = counters.next_node;
+    if (marked_ > 0) nodes_ = frame.make_buffer("marked pool", kNodeBytes * marked_);
+  }
+  void peel(Frame& frame, Recorder& recorder, std::uint32_t /*round*/) override {
+    if (marked_ > 0) repair(frame, recorder);
+  }
+
+ private:
+  void blend(Frame& frame, Recorder& recorder) {
+    recorder.prepare(blended_);
+    recorder.prepare(marks_);
+    Attachments attachments = frame.attachments();
+    attachments.colors = {&blended_};
+    attachments.depth = &marks_;
+    attachments.stencil = true;
+    attachments.clear_depth = 0;
+    recorder.draw(frame.scene,
+                  frame.pipelines.scene({.fragment_shader = "capture/blend.frag",
+                                         .constants = {frame.effect},
+                                         .colors = {kBlended},
+                                         .blend = Blend::under,
+                                         .depth = kDepthAndMarks,
+                                         .depth_test = DepthTest::greater,
+                                         .depth_write = true,
+                                         .stencil = Stencil::mark}),
+                  attachments);
+    recorder.fill(counts_, 0);
+    recorder.barrier();
+    recorder.bind(Slot::image_0, blended_);
+    recorder.dispatch(frame.pipelines.compute("resolve/blended.comp", {}), frame.tiles_x(), frame.tiles_y());
+  }
+
+  void count_marked(Frame& frame, Recorder& recorder) {
+    recorder.bind(Slot::a, counts_);
+    recorder.bind(Slot::b, ends_);
+    draw_marked(frame, recorder, "capture/count_marked.frag");
+    recorder.barrier();
+    recorder.dispatch(frame.pipelines.compute("capture/offsets.comp", {}), frame.tiles_x(), frame.tiles_y());
+  }
+
+  void repair(Frame& frame, Recorder& recorder) {
+    recorder.bind(Slot::a, counts_);
+    recorder.bind(Slot::b, ends_);
+    recorder.bind(Slot::c, nodes_);
+    recorder.push().p[3] = marked_;
+    draw_marked(frame, recorder, "capture/fill_marked.frag");
+    recorder.barrier();
+    resolve_.record(frame, recorder, 0, true);
+  }
+
+  void draw_marked(Frame& frame, Recorder& recorder, std::string_view shader) {
+    Attachments attachments = frame.attachments();
+    attachments.depth = &marks_;
+    attachments.stencil = true;
+    attachments.clear = false;
+    recorder.draw(frame.scene,
+                  frame.pipelines.scene({.fragment_shader = shader,
+                                         .constants = {frame.effect},
+                                         .depth = kDepthAndMarks,
+                                         .stencil = Stencil::marked}),
+                  attachments);
+  }
+
+  std::uint32_t marked_ = 0;  // fragments
+  Image blended_, marks_;
+  Buffer counts_, ends_, nodes_;
+  ListResolve resolve_{"ranges"};
+};
+
+}  // namespace
+
+TechniqueEntry verified_blend() {
+  return {{.name = "verified",
+           .title = "blending in the sequence of drawing, checked by the depth test, repaired where it was wrong",
+           .paper = "",
+           .captures = "all",
+           .passes_formula = "2, 3 where something is repaired",
+           .bytes_formula = "32 + 12 N of repaired pixels",
+           .blends_only = true},
+          [] { return std::unique_ptr<Technique>(std::make_unique<VerifiedBlend>()); }};
+}
+
+}  // namespace pellucid::render

@@ -5,6 +5,8 @@ set(PELLUCID_SHADERS
   "interface/layered.vert|interface/layered.vert|"
   "capture/blend.frag|capture/blend.frag|"
   "resolve/blended.comp|resolve/blended.comp|"
+  "resolve/blended_marks.comp|resolve/blended.comp|MARKS"
+  "capture/touching_triangles.comp|capture/touching_triangles.comp|"
   "capture/box_image.frag|capture/box_left.frag|"
   "capture/box_1.frag|capture/box_left.frag|SEARCH SIDES=1"
   "capture/box_2.frag|capture/box_left.frag|SEARCH SIDES=2"

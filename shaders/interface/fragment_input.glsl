@@ -25,7 +25,13 @@ layout(std430, set = 0, binding = SLOT_SURFACES) readonly buffer Surfaces { Surf
 layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
 layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
 
+#if defined(MARKED)
+// Of the triangles that are drawn again, which one it is.
+layout(std430, set = 0, binding = SLOT_STATE_FRONT) readonly buffer Touching { uint touching[]; };
+uint fragment_triangle() { return touching[push.first_triangle + uint(gl_PrimitiveID)]; }
+#else
 uint fragment_triangle() { return push.first_triangle + uint(gl_PrimitiveID); }
+#endif
 
 uint fragment_id() {
   return 2u * (triangles[fragment_triangle()].id + 1u) + (gl_FrontFacing ? 0u : 1u);

@@ -2,10 +2,11 @@
 // everywhere, and exact capture where it was not.
 //
 // Front to back, every fragment lies behind all that were drawn before it. The depth test says whether it
-// does: GREATER, with depth written, lets it through and blends it under the others; what fails is nearer than
-// something already blended, or as near, and counts up its pixel's stencil. Marked pixels, and only these, are
-// captured by an S-buffer behind the stencil test and drawn anew: the picture is exact whatever the sequence
-// was. Opaque surfaces are drawn first and discard in the shader, so that they mark nothing.
+// does: GREATER, with depth written, lets it through and blends it under the others; what fails is nearer
+// than something already blended, or as near, and counts up its pixel's stencil. Marked pixels, and only
+// these, are captured by an S-buffer behind the stencil test and drawn anew, with the triangles that touch
+// their tiles: the picture is exact whatever the sequence was. Opaque surfaces are drawn first and discard in
+// the shader, so that they mark nothing.
 #include "blending_techniques.h"
 #include "list_resolve.h"
 
@@ -26,10 +27,22 @@ class VerifiedBlend final : public Technique {
     marks_ = frame.make_image("depths and marks", kDepthAndMarks);
     counts_ = frame.make_buffer("marked fragments", 4 * frame.pixels());
     ends_ = frame.make_buffer("marked ranges", 4 * frame.pixels());
+    marked_tiles_ = frame.make_buffer("marked tiles", 4 * std::uint64_t{frame.tiles_x()} * frame.tiles_y());
+    std::vector<VkDrawIndexedIndirectCommand> draws;
+    std::uint64_t triangles = 0;
+    for (const DrawRange& range : frame.scene.ranges) {
+      draws.push_back({.indexCount = 0, .instanceCount = 1, .firstIndex = 3 * range.first_triangle});
+      triangles = std::max<std::uint64_t>(triangles, range.first_triangle + range.triangles);
+    }
+    triangles_ = frame.make_buffer("triangles of marked tiles", 4 * triangles);
+    indices_ = frame.make_buffer("indices of marked tiles", 12 * triangles);
+    arguments_ = frame.make_buffer("arguments of draws", draws.size() * sizeof draws[0]);
+    upload<VkDrawIndexedIndirectCommand>(frame.context, arguments_, draws);
     resolve_.allocate(frame);
   }
   void start(Frame& frame, Recorder& recorder) override {
     blend(frame, recorder);
+    choose_triangles(frame, recorder);
     count_marked(frame, recorder);
   }
   // The repair is a round of its own: how much memory it takes is known by now.
@@ -65,9 +78,37 @@ class VerifiedBlend final : public Technique {
                                          .stencil = Stencil::mark}),
                   attachments);
     recorder.fill(counts_, 0);
+    recorder.fill(marked_tiles_, 0);
     recorder.barrier();
     recorder.bind(Slot::image_0, blended_);
-    recorder.dispatch(frame.pipelines.compute("resolve/blended.comp", {}), frame.tiles_x(), frame.tiles_y());
+    recorder.bind_stencil(Slot::image_1, marks_);
+    recorder.bind(Slot::d, marked_tiles_);
+    recorder.dispatch(frame.pipelines.compute("resolve/blended_marks.comp", {}), frame.tiles_x(),
+                      frame.tiles_y());
+    recorder.barrier();
+  }
+
+  // Triangles that may have fragments in marked pixels, so that only these are drawn again.
+  void choose_triangles(Frame& frame, Recorder& recorder) {
+    bind_triangles(recorder);
+    const OwnedPipeline& kernel = frame.pipelines.compute("capture/touching_triangles.comp", {});
+    const std::vector<DrawRange>& ranges = frame.scene.ranges;
+    for (std::uint32_t i = 0; i < ranges.size(); ++i) {
+      constexpr std::uint32_t kGroup = 64;
+      constexpr std::uint32_t kMostGroups = 65'535;
+      const std::uint32_t groups = (ranges[i].triangles + kGroup - 1) / kGroup;
+      recorder.push().first_triangle = ranges[i].first_triangle;
+      recorder.push().p[0] = ranges[i].triangles;
+      recorder.push().p[1] = i;
+      recorder.dispatch(kernel, std::min(groups, kMostGroups), (groups + kMostGroups - 1) / kMostGroups);
+    }
+    recorder.barrier();
+  }
+
+  void bind_triangles(Recorder& recorder) const {
+    recorder.bind(Slot::state_front, triangles_);
+    recorder.bind(Slot::state_group, indices_);
+    recorder.bind(Slot::state_back, arguments_);
   }
 
   void count_marked(Frame& frame, Recorder& recorder) {
@@ -82,6 +123,7 @@ class VerifiedBlend final : public Technique {
     recorder.bind(Slot::a, counts_);
     recorder.bind(Slot::b, ends_);
     recorder.bind(Slot::c, nodes_);
+    bind_triangles(recorder);
     recorder.push().p[3] = marked_;
     draw_marked(frame, recorder, "capture/fill_marked.frag");
     recorder.barrier();
@@ -93,16 +135,18 @@ class VerifiedBlend final : public Technique {
     attachments.depth = &marks_;
     attachments.stencil = true;
     attachments.clear = false;
+    const SomeTriangles some{indices_, arguments_};
     recorder.draw(frame.scene,
                   frame.pipelines.scene({.fragment_shader = shader,
                                          .constants = {frame.effect},
                                          .depth = kDepthAndMarks,
                                          .stencil = Stencil::marked}),
-                  attachments);
+                  attachments, &some);
   }
 
   std::uint32_t marked_ = 0;  // fragments
   Image blended_, marks_;
+  Buffer marked_tiles_, triangles_, indices_, arguments_;
   Buffer counts_, ends_, nodes_;
   ListResolve resolve_{"ranges"};
 };
@@ -110,14 +154,15 @@ class VerifiedBlend final : public Technique {
 }  // namespace
 
 TechniqueEntry verified_blend() {
-  return {{.name = "verified",
-           .title = "blending in the sequence of drawing, checked by the depth test, repaired where it was wrong",
-           .paper = "",
-           .captures = "all",
-           .passes_formula = "2, 3 where something is repaired",
-           .bytes_formula = "32 + 12 N of repaired pixels",
-           .blends_only = true},
-          [] { return std::unique_ptr<Technique>(std::make_unique<VerifiedBlend>()); }};
+  return {
+      {.name = "verified",
+       .title = "blending in the sequence of drawing, checked by the depth test, repaired where it was wrong",
+       .paper = "",
+       .captures = "all",
+       .passes_formula = "2, 3 where something is repaired",
+       .bytes_formula = "32 + 12 N of repaired pixels",
+       .blends_only = true},
+      [] { return std::unique_ptr<Technique>(std::make_unique<VerifiedBlend>()); }};
 }
 
 }  // namespace pellucid::render

@@ -144,6 +144,7 @@ Image::Image(Context& context, const std::string& name, const ImageSpec& spec) :
   const VkImageAspectFlags readable = spec.depth() ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   view_ = make_view(stencil ? readable | VK_IMAGE_ASPECT_STENCIL_BIT : readable);
   sampled_ = make_view(readable);
+  if (stencil) stencil_ = make_view(VK_IMAGE_ASPECT_STENCIL_BIT);
 }
 
 }  // namespace pellucid::render

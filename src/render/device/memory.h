@@ -68,6 +68,7 @@ class Image {
   [[nodiscard]] VkImage get() const { return image_.get(); }
   [[nodiscard]] VkImageView view() const { return view_.get(); }             // all layers, as an attachment
   [[nodiscard]] VkImageView sampled_view() const { return sampled_.get(); }  // what shaders read: no stencil
+  [[nodiscard]] VkImageView stencil_view() const { return stencil_.get(); }  // the same of it alone
   [[nodiscard]] const ImageSpec& spec() const { return spec_; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   explicit operator bool() const { return static_cast<bool>(image_); }
@@ -76,7 +77,7 @@ class Image {
   ImageSpec spec_;
   OwnedMemory memory_;
   OwnedImage image_;
-  OwnedImageView view_, sampled_;
+  OwnedImageView view_, sampled_, stencil_;
   std::uint64_t bytes_ = 0;
 };
 

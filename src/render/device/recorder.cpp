@@ -21,6 +21,11 @@ void Recorder::bind(Slot slot, const Image& image) {
       .sampler = VK_NULL_HANDLE, .imageView = image.sampled_view(), .imageLayout = VK_IMAGE_LAYOUT_GENERAL};
 }
 
+void Recorder::bind_stencil(Slot slot, const Image& image) {
+  images_.at(static_cast<std::uint32_t>(slot) - kFirstImageSlot) = {
+      .sampler = VK_NULL_HANDLE, .imageView = image.stencil_view(), .imageLayout = VK_IMAGE_LAYOUT_GENERAL};
+}
+
 void Recorder::prepare(const Image& image) {
   VkImageAspectFlags aspect = image.spec().depth() ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   if (image.spec().format == VK_FORMAT_D32_SFLOAT_S8_UINT) aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
@@ -101,7 +106,8 @@ void Recorder::number_stencils(const VkRect2D& area, std::uint32_t layers) {
   }
 }
 
-void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments) {
+void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments,
+                    const SomeTriangles* some) {
   ++geometry_passes_;
   const VkAttachmentLoadOp load =
       attachments.clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
@@ -137,8 +143,15 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
   const std::array<VkBuffer, 2> vertices{scene.positions.get(), scene.normals.get()};
   const std::array<VkDeviceSize, 2> offsets{};
   vkCmdBindVertexBuffers(commands_, 0, 2, vertices.data(), offsets.data());
-  vkCmdBindIndexBuffer(commands_, scene.indices.get(), 0, VK_INDEX_TYPE_UINT32);
-  if (predicates_ == nullptr) {
+  const Buffer& indices = some != nullptr ? some->indices : scene.indices;
+  vkCmdBindIndexBuffer(commands_, indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  if (some != nullptr) {
+    for (std::size_t i = 0; i < scene.ranges.size(); ++i) {
+      bind_range(scene.ranges[i], pipeline);
+      vkCmdDrawIndexedIndirect(commands_, some->arguments.get(), i * sizeof(VkDrawIndexedIndirectCommand), 1,
+                               sizeof(VkDrawIndexedIndirectCommand));
+    }
+  } else if (predicates_ == nullptr) {
     for (const DrawRange& range : scene.ranges) draw_range(range, pipeline, attachments.layers);
   } else {
     for (std::size_t i = 0; i < groups_.size(); ++i) {
@@ -169,11 +182,15 @@ void Recorder::push_words() {
                      0, sizeof push_, &push_);
 }
 
-void Recorder::draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers) {
+void Recorder::bind_range(const DrawRange& range, const ScenePipeline& pipeline) {
   const OwnedPipeline& chosen = range.culled ? pipeline.culled : pipeline.two_sided;
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, chosen.get());
   push_.first_triangle = range.first_triangle;
   push_words();
+}
+
+void Recorder::draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers) {
+  bind_range(range, pipeline);
   vkCmdDrawIndexed(commands_, 3 * range.triangles, layers, 3 * range.first_triangle, 0, 0);
 }
 

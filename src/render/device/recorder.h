@@ -83,6 +83,13 @@ struct QueriedBoxes {
   std::uint32_t count = 0;
 };
 
+// Chosen on the device: of each range of the scene as many triangles as its draw's arguments say, from its
+// first on.
+struct SomeTriangles {
+  const Buffer& indices;
+  const Buffer& arguments;  // VkDrawIndexedIndirectCommand of each range
+};
+
 class Recorder {
  public:
   // All buffer slots hold `unused` until something else is bound.
@@ -91,6 +98,7 @@ class Recorder {
 
   void bind(Slot slot, const Buffer& buffer);
   void bind(Slot slot, const Image& image);
+  void bind_stencil(Slot slot, const Image& image);
   PushConstants& push() { return push_; }
 
   // Before the first use of an image.
@@ -100,8 +108,9 @@ class Recorder {
   void fill(const Buffer& buffer, std::uint32_t word);
   void fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes);
 
-  // One geometry pass: all triangles of the scene.
-  void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments);
+  // One geometry pass: all triangles of the scene, or some of them.
+  void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments,
+            const SomeTriangles* some = nullptr);
   // From now on draw() draws these instead of the scene's ranges, each one if its word in `predicates` is not
   // 0.
   void draw_groups(std::span<const DrawRange> groups, const Buffer& predicates);
@@ -131,6 +140,7 @@ class Recorder {
   void push_state(VkPipelineBindPoint point);
   void push_words();
   void set_window(const Attachments& attachments);
+  void bind_range(const DrawRange& range, const ScenePipeline& pipeline);
   void draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers);
   void write_timestamp();
   void number_stencils(const VkRect2D& area, std::uint32_t layers);

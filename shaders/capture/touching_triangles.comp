@@ -1,0 +1,58 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+// Which triangles of a range touch tiles of 8 x 8 pixels that are marked: an index buffer of them, in any sequence.
+// push.first_triangle, p0 triangles; p1: the range, whose draw has five words of arguments. D: marks of tiles.
+layout(local_size_x = 64) in;
+layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
+layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
+layout(std430, set = 0, binding = SLOT_D) readonly buffer Marks { uint marks[]; };
+layout(std430, set = 0, binding = SLOT_STATE_FRONT) writeonly buffer Touching { uint touching[]; };
+layout(std430, set = 0, binding = SLOT_STATE_GROUP) writeonly buffer TouchingIndices { uint touching_indices[]; };
+layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer Arguments { uint arguments[]; };
+
+const int kMostTiles = 1024;  // larger triangles are taken as they are
+const float kSlack = 1.0;     // pixels, more than rasterisation rounds
+
+vec4 clip_of(uint vertex) {
+  return frame.clip_from_world *
+         vec4(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u], 1.0);
+}
+
+vec2 pixel_of(vec4 clip) {
+  const vec2 whole = (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size.x, frame.line.w);
+  return whole - vec2(0.0, float(frame.first_row));
+}
+
+bool touches(vec4 a, vec4 b, vec4 c) {
+  if (min(a.w, min(b.w, c.w)) <= 0.0) return true;  // passes the eye: anywhere
+  const vec2 pa = pixel_of(a);
+  const vec2 pb = pixel_of(b);
+  const vec2 pc = pixel_of(c);
+  const vec2 low = min(pa, min(pb, pc)) - kSlack;
+  const vec2 high = max(pa, max(pb, pc)) + kSlack;
+  if (any(lessThan(high, vec2(0.0))) || any(greaterThan(low, vec2(frame.size)))) return false;
+  const ivec2 tiles = ivec2((frame.size + 7u) / 8u);
+  const ivec2 first = ivec2(max(low, vec2(0.0))) / 8;
+  const ivec2 last = min(ivec2(min(high, vec2(frame.size))) / 8, tiles - 1);
+  if ((last.x - first.x + 1) * (last.y - first.y + 1) > kMostTiles) return true;
+  for (int y = first.y; y <= last.y; ++y) {
+    for (int x = first.x; x <= last.x; ++x) {
+      if (marks[y * tiles.x + x] != 0u) return true;
+    }
+  }
+  return false;
+}
+
+void main() {
+  const uint i = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+  if (i >= push.p0) return;
+  const uint triangle = push.first_triangle + i;
+  const uvec3 corners = uvec3(indices[3u * triangle], indices[3u * triangle + 1u], indices[3u * triangle + 2u]);
+  if (!touches(clip_of(corners.x), clip_of(corners.y), clip_of(corners.z))) return;
+  const uint place = push.first_triangle + atomicAdd(arguments[5u * push.p1], 3u) / 3u;
+  touching[place] = triangle;
+  touching_indices[3u * place] = corners.x;
+  touching_indices[3u * place + 1u] = corners.y;
+  touching_indices[3u * place + 2u] = corners.z;
+}

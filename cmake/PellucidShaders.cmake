@@ -6,6 +6,7 @@ set(PELLUCID_SHADERS
   "capture/blend.frag|capture/blend.frag|"
   "resolve/blended.comp|resolve/blended.comp|"
   "resolve/blended_marks.comp|resolve/blended.comp|MARKS"
+  "capture/reserve_marked.comp|capture/reserve_marked.comp|"
   "capture/touching_triangles.comp|capture/touching_triangles.comp|"
   "capture/box_image.frag|capture/box_left.frag|"
   "capture/box_1.frag|capture/box_left.frag|SEARCH SIDES=1"

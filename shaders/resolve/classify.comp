@@ -7,8 +7,12 @@
 // Which tiles have lists of at most 4, 8, 16, 128 or more fragments: each class is sorted by a kernel of its own.
 // Counts pixels with fragments and the deepest of them on the way.
 layout(local_size_x = 8, local_size_y = 8) in;
+// With bit 2 of kVariant (lists.comp) only tiles are looked at that are marked here.
+layout(std430, set = 0, binding = SLOT_D) readonly buffer Marks { uint marks[]; };
+const bool kRepairs = (kVariant & 2u) != 0u;
 shared uint deepest_list, deepest_pixel, covered_pixels;
 void main() {
+  if (kRepairs && marks[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] == 0u) return;
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (gl_LocalInvocationIndex == 0u) {
     deepest_list = 0u;
@@ -35,8 +39,6 @@ void main() {
   if (gl_LocalInvocationIndex != 0u) return;
   atomicMax(counters.deepest, deepest_pixel);
   atomicAdd(counters.covered, covered_pixels);
-  // kVariant as in lists.comp: where nothing is to be repaired nothing is done.
-  if ((kVariant & 2u) != 0u && deepest_list == 0u) return;
   put_tile(class_of(deepest_list), gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x,
            gl_NumWorkGroups.x * gl_NumWorkGroups.y);
 }

@@ -116,13 +116,15 @@ class VerifiedBlend final : public Technique {
     recorder.bind(Slot::b, ends_);
     draw_marked(frame, recorder, "capture/count_marked.frag");
     recorder.barrier();
-    recorder.dispatch(frame.pipelines.compute("capture/offsets.comp", {}), frame.tiles_x(), frame.tiles_y());
+    recorder.dispatch(frame.pipelines.compute("capture/reserve_marked.comp", {}), frame.tiles_x(),
+                      frame.tiles_y());
   }
 
   void repair(Frame& frame, Recorder& recorder) {
     recorder.bind(Slot::a, counts_);
     recorder.bind(Slot::b, ends_);
     recorder.bind(Slot::c, nodes_);
+    recorder.bind(Slot::d, marked_tiles_);
     bind_triangles(recorder);
     recorder.push().p[3] = marked_;
     draw_marked(frame, recorder, "capture/fill_marked.frag");

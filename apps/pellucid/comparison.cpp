@@ -226,8 +226,11 @@ TechniqueInfo technique_info(const std::string& name) {
 
 DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
   const Scene scene = make_scene(model);
-  return {model.path, make_render_scene(model, scene, picture.surfaces, picture.look),
-          look_at_sphere(scene.sphere, parse_camera(picture.camera_text), picture.width, picture.height)};
+  DrawnScene drawn{
+      model.path, make_render_scene(model, scene, picture.surfaces, picture.look),
+      look_at_sphere(scene.sphere, parse_camera(picture.camera_text), picture.width, picture.height)};
+  drawn.scene.sequence = drawing_sequence(scene, drawn.camera, {});
+  return drawn;
 }
 
 ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,

@@ -24,7 +24,10 @@ set(PELLUCID_SHADERS
   "capture/share_colors.frag|capture/share_colors.frag|"
   "capture/share_keys.frag|capture/share_keys.frag|"
   "resolve/shares.comp|resolve/shares.comp|"
+  "capture/interlock_slots.frag|capture/interlock_slots.frag|"
   "resolve/keys.comp|resolve/keys.comp|"
+  "resolve/slots_buffer.comp|resolve/keys.comp|WORDS"
+  "resolve/slots_layers.comp|resolve/keys.comp|LAYERS"
   "capture/clear_bounds.comp|capture/clear_bounds.comp|"
   "capture/count.frag|capture/count.frag|"
   "capture/count_marked.frag|capture/count.frag|MARKED"
@@ -52,6 +55,10 @@ foreach(storage pairs lists arrays chains)
     "resolve/layers_${storage}.comp|resolve/layers.comp|${define}"
     "capture/peel_${storage}_2.frag|capture/peel_ends.frag|${define} SEARCH SIDES=2"
     "resolve/layers_${storage}_2.comp|resolve/layers.comp|${define} SEARCH SIDES=2")
+endforeach()
+foreach(attachments RANGE 1 8)
+  list(APPEND PELLUCID_SHADERS
+    "capture/ordered_slots_${attachments}.frag|capture/ordered_slots.frag|ATTACHMENTS=${attachments}")
 endforeach()
 foreach(storage ranges lists arrays layers)
   string(TOUPPER ${storage} define)

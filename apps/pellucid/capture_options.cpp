@@ -24,6 +24,12 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::Range(1, 64))
       ->type_name("N")
       ->capture_default_str();
+  add_choice(command, "--sync", options.sync,
+             {{"automatic", Sync::automatic},
+              {"atomics", Sync::atomics},
+              {"ordered", Sync::ordered},
+              {"interlock", Sync::interlock}},
+             "How kb keeps fragments of a pixel apart (default automatic; see pellucid techniques)");
   command
       .add_option("--pool", options.pool,
                   "Nodes of techniques that store in a pool; 0: as many as are needed")

@@ -1,6 +1,7 @@
 // pellucid techniques: every way of capturing fragments that `render` knows, and what this machine has for
 // it.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,15 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"msaa", t.multisampled ? nlohmann::ordered_json{1, 4} : nlohmann::ordered_json{1}}};
 }
 
+// Names of RenderOptions::sync that the device has, the fastest first.
+std::vector<std::string> sync_names(const DeviceInfo& device) {
+  std::vector<std::string> names;
+  if (device.ordered_attachments > 0) names.emplace_back("ordered");
+  if (device.interlock) names.emplace_back("interlock");
+  if (device.atomics64) names.emplace_back("atomics");
+  return names;
+}
+
 // Empty where there is none; why, is a note.
 std::optional<DeviceInfo> find_device(const DeviceOptions& options, const Session& session) {
   try {
@@ -44,7 +54,9 @@ std::optional<DeviceInfo> find_device(const DeviceOptions& options, const Sessio
 
 void list_techniques(const DeviceOptions& options, Session& session) {
   const std::optional<DeviceInfo> device = find_device(options, session);
-  std::string text = device ? fmt::format("on {} ({})\n", device->name, device->driver) : "";
+  std::string text = device ? fmt::format("on {} ({}), which synchronises by {}\n", device->name,
+                                          device->driver, fmt::join(sync_names(*device), ", "))
+                            : "";
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const auto add = [&](const TechniqueInfo& t, const std::string& missing) {
     text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}{}\n", t.name, t.exact ? "yes" : "no", t.passes_formula,
@@ -63,6 +75,7 @@ void list_techniques(const DeviceOptions& options, Session& session) {
   const nlohmann::ordered_json json = {{"schema", 1},
                                        {"version", library_version()},
                                        {"device", device ? device->name : "cpu"},
+                                       {"sync", device ? sync_names(*device) : std::vector<std::string>{}},
                                        {"techniques", list}};
   session.write_json(json.dump(2) + "\n");
 }

@@ -15,10 +15,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pellucid/base.h"
@@ -32,6 +34,10 @@ namespace pellucid {
 struct DeviceOptions {
   std::string device;     // part of its name, in any case; empty: a real GPU before the CPU driver
   bool validate = false;  // Vulkan and synchronisation validation; needs the layers
+  std::uint64_t max_buffer_bytes = 0;  // less than the device lets a shader address; 0: as much as it does
+  // For tests: asked before each call of Vulkan that may fail, with what it is for; a VkResult other than 0
+  // is taken for the call's, which is not made.
+  std::function<int(std::string_view what)> fault{};
 };
 
 struct DeviceInfo {
@@ -44,6 +50,10 @@ struct DeviceInfo {
   bool precise_queries = false;        // occlusion queries count
   bool multisampling = false;          // RenderOptions::samples
   bool conditional = false;            // draws that depend on a query (VK_EXT_conditional_rendering)
+  // Attachments that fragment shaders read in the sequence of drawing
+  // (VK_EXT_rasterization_order_attachment_access), how many 128-bit ones.
+  std::uint32_t ordered_attachments = 0;
+  bool interlock = false;  // critical sections of fragment shaders (VK_EXT_fragment_shader_interlock)
 };
 
 // ----------------------------------------------------------------------------------------- what is drawn
@@ -120,6 +130,16 @@ enum class Overflow {
   exact
 };
 
+// How fragments of a pixel that are shaded at the same time keep out of each other's way, in techniques with
+// TechniqueInfo::synchronised; what is captured is the same.
+enum class Sync {
+  automatic,  // ordered, else interlock, else atomics: the first that fits k and samples
+  atomics,    // chains of 64-bit minima: any k, any samples, two geometry passes
+  ordered,    // attachments that are read back in the sequence of drawing; k and memory are limited by their
+              // number
+  interlock   // critical sections; one sample
+};
+
 struct TechniqueInfo {
   std::string name;            // "f2b-2p"
   std::string title;           // "front-to-back peeling, two coplanar fragments a round"
@@ -131,6 +151,7 @@ struct TechniqueInfo {
   std::string bytes_formula;   // of a pixel
   bool multisampled = false;   // RenderOptions::samples
   bool can_cull = false;       // RenderOptions::cull
+  bool synchronised = false;   // RenderOptions::sync; else atomics, where they are needed
   bool pooled = false;         // RenderOptions::overflow
   bool budgeted = false;       // RenderOptions::memory
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
@@ -148,6 +169,7 @@ struct RenderOptions {
   Vec3f background{1, 1, 1};  // linear
   Vec3f edge_color{0.02F, 0.02F, 0.03F};
   std::uint32_t k = 8;  // fragments, or buckets, of techniques with a fixed number of them; 1 .. 64
+  Sync sync = Sync::automatic;
   // 1, or 4 at Vulkan's standard places: each sample is a pixel of its own until the picture is averaged,
   // shading, depth and fragments included, so that edges are right where surfaces intersect and coincide,
   // too. Opaque surfaces are captured like all others then.
@@ -182,6 +204,7 @@ struct CaptureStats {
   std::uint64_t coplanar = 0;  // captured ones at the depth of another one of their pixel
   std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
   std::uint64_t deepest_pixel = 0;      // most fragments of a pixel
+  Sync sync = Sync::automatic;          // what was chosen; automatic: the technique has no choice
   std::uint32_t rounds = 0;             // of techniques that peel
   std::uint32_t geometry_passes = 0;    // how often all triangles were drawn
   std::uint32_t fullscreen_passes = 0;  // compute passes over the picture

@@ -15,7 +15,8 @@ OwnedQueryPool make_queries(Context& context, std::size_t count) {
                                    .queryType = VK_QUERY_TYPE_OCCLUSION,
                                    .queryCount = static_cast<std::uint32_t>(count)};
   VkQueryPool pool = VK_NULL_HANDLE;
-  check(vkCreateQueryPool(context.device(), &info, nullptr, &pool), "creating queries");
+  context.call("creating queries",
+               [&] { return vkCreateQueryPool(context.device(), &info, nullptr, &pool); });
   return {context.device(), pool};
 }
 

@@ -19,6 +19,12 @@ Constants Pipelines::with_features(Constants constants) const {
   return constants;
 }
 
+const OrderedLayout& Pipelines::ordered(std::uint32_t attachments) {
+  const auto found = ordered_.find(attachments);
+  if (found != ordered_.end()) return found->second;
+  return ordered_.try_emplace(attachments, context_, attachments).first->second;
+}
+
 const ScenePipeline& Pipelines::scene(const GraphicsSpec& given) {
   GraphicsSpec spec = given;
   spec.constants = with_features(given.constants);
@@ -49,8 +55,9 @@ Buffer Frame::make_buffer(const std::string& name, std::uint64_t bytes) {
   return buffer;
 }
 
-Image Frame::make_image(const std::string& name, VkFormat format, std::uint32_t layers) {
-  Image image(context, name, {.format = format, .width = width, .height = height, .layers = layers});
+Image Frame::make_image(const std::string& name, VkFormat format, std::uint32_t layers, ImageUse use) {
+  Image image(context, name,
+              {.format = format, .width = width, .height = height, .layers = layers, .use = use});
   technique_bytes += image.bytes();
   return image;
 }

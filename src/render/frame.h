@@ -28,6 +28,7 @@ class Pipelines {
   // Of all that is asked for from now on: a sum of Feature.
   void use_features(std::uint32_t features) { features_ = features; }
   void use_samples(std::uint32_t samples) { samples_ = samples; }
+  const OrderedLayout& ordered(std::uint32_t attachments);
   const ScenePipeline& scene(const GraphicsSpec& spec);
   const OwnedPipeline& compute(std::string_view shader, const Constants& constants);
 
@@ -37,6 +38,7 @@ class Pipelines {
   Context& context_;
   std::uint32_t features_ = 0;
   std::uint32_t samples_ = 1;
+  std::map<std::uint32_t, OrderedLayout> ordered_;
   std::map<std::string, ScenePipeline> scene_;
   std::map<std::string, OwnedPipeline> compute_;
 };
@@ -53,6 +55,7 @@ struct Frame {
   const GpuScene& scene;
   const RenderOptions& options;
   std::uint32_t effect = 0;                         // kEffect
+  Sync sync = Sync::automatic;                      // of techniques that have a choice
   std::uint32_t width = 0, height = 0;              // of the band; samples of a pixel are columns
   std::uint32_t first_row = 0, picture_height = 0;  // where it lies
   std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
@@ -68,7 +71,8 @@ struct Frame {
 
   // A technique's own memory, which is counted.
   Buffer make_buffer(const std::string& name, std::uint64_t bytes);
-  Image make_image(const std::string& name, VkFormat format, std::uint32_t layers = 1);
+  Image make_image(const std::string& name, VkFormat format, std::uint32_t layers = 1,
+                   ImageUse use = ImageUse::attachment);
 
   // A geometry pass without attachments, and one with.
   void gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const;

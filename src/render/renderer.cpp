@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "capture/nearest_rounds.h"
+#include "capture/synchronisation.h"
 #include "capture/technique.h"
 #include "culling.h"
 #include "effects.h"
@@ -87,7 +88,8 @@ OwnedQueryPool make_timestamps(Context& context) {
                                    .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                    .queryCount = kMostTimestamps};
   VkQueryPool pool = VK_NULL_HANDLE;
-  check(vkCreateQueryPool(context.device(), &info, nullptr, &pool), "creating queries");
+  context.call("creating queries",
+               [&] { return vkCreateQueryPool(context.device(), &info, nullptr, &pool); });
   return {context.device(), pool};
 }
 
@@ -110,6 +112,7 @@ struct Renderer::Implementation {
     const render::TechniqueEntry& technique;
     std::uint32_t effect;
     Progress* progress;
+    Sync sync = Sync::automatic;
   };
   struct Band {
     std::uint32_t first_row, rows;
@@ -131,7 +134,7 @@ struct Renderer::Implementation {
   // Record, submit, time.
   void run(const Job& job, const render::Frame& frame, CaptureStats& stats,
            const std::function<void(render::Recorder&)>& record);
-  void read_times(std::uint32_t count, CaptureStats& stats) const;
+  void read_times(std::uint32_t count, CaptureStats& stats);
   // All rounds of a technique that peels.
   void peel(const Job& job, render::Frame& frame, render::Technique& technique, CaptureStats& stats);
   // `count` rounds in one submission; returns after how many of them nothing was left, count + 1: never.
@@ -158,6 +161,7 @@ render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& b
           .scene = *scene,
           .options = job.options,
           .effect = job.effect,
+          .sync = job.sync,
           .width = job.camera.width * job.options.samples,
           .height = band.rows,
           .first_row = band.first_row,
@@ -194,12 +198,12 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
 }
 
 // Begin, pairs of begin and end of resolves, end.
-void Renderer::Implementation::read_times(std::uint32_t count, CaptureStats& stats) const {
+void Renderer::Implementation::read_times(std::uint32_t count, CaptureStats& stats) {
   std::array<std::uint64_t, render::kMostTimestamps> ticks{};
-  render::check(
-      vkGetQueryPoolResults(context.device(), timestamps.get(), 0, count, sizeof ticks, ticks.data(),
-                            sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-      "reading timestamps");
+  context.call("reading timestamps", [&] {
+    return vkGetQueryPoolResults(context.device(), timestamps.get(), 0, count, sizeof ticks, ticks.data(),
+                                 sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+  });
   const double milliseconds_per_tick = context.nanoseconds_per_tick() * 1e-6;
   stats.milliseconds += static_cast<double>(ticks.at(count - 1) - ticks[0]) * milliseconds_per_tick;
   for (std::size_t i = 1; i + 2 < count; i += 2)
@@ -467,7 +471,8 @@ std::span<const TechniqueInfo> render_techniques() {
 }
 
 std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device) {
-  if (technique.needs_atomics64 && !device.atomics64) return "64-bit atomics on buffers";
+  const bool in_order = technique.synchronised && (device.ordered_attachments > 0 || device.interlock);
+  if (technique.needs_atomics64 && !device.atomics64 && !in_order) return "64-bit atomics on buffers";
   if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
   return "";
 }
@@ -543,7 +548,9 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
   Implementation::Job job{camera, options, find_technique(options, info()),
                           static_cast<std::uint32_t>(options.effect), progress};
   check_technique(job.technique.info, options, info());
+  job.sync = render::choose_sync(job.technique.info, options, info());
   RenderResult result;
+  result.stats.sync = job.sync;
   result.width = camera.width;
   result.height = camera.height;
   self.draw_band(job, {0, camera.height}, result);

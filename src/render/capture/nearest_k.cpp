@@ -1,7 +1,13 @@
-// The k nearest fragments of every pixel (KB). Keys (depth, id) go through a chain of 64-bit atomic minima,
-// which needs no order of the fragments, unlike the k-buffer of Bavoil et al. (I3D 2007); a second pass over
-// the fragments brings the colours. More rounds: nearest_rounds.h.
+// The k nearest fragments of every pixel (KB). Bavoil et al., "Multi-Fragment Effects on the GPU using the
+// k-Buffer", I3D 2007, whose result depends on timing; here fragments of a pixel are kept apart in one of
+// three ways (Sync). In ordered attachments and in critical sections each fragment is inserted as it is, in
+// one geometry pass. Chains of 64-bit atomic minima over keys (depth, id) need neither; there, a second pass
+// brings the colours of what was kept. More rounds: nearest_rounds.h.
+#include <fmt/format.h>
+
+#include "../device/ordered_attachments.h"
 #include "buffer_techniques.h"
+#include "synchronisation.h"
 
 namespace pellucid::render {
 namespace {
@@ -9,29 +15,71 @@ namespace {
 class NearestK final : public Technique {
  public:
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
-    return 8 * frame.options.k * frame.pixels();
+    if (frame.sync == Sync::ordered) return 16 * frame.pixels();  // of an image, a layer
+    return (frame.sync == Sync::interlock ? 12 : 8) * frame.options.k * frame.pixels();
   }
+
   void allocate(Frame& frame) override {
-    keys_ = frame.make_buffer("fragment keys", 8 * frame.options.k * frame.pixels());
-    colors_ = frame.make_buffer("fragment colours", 4 * frame.options.k * frame.pixels());
+    const std::uint64_t slots = frame.options.k * frame.pixels();
+    if (frame.sync == Sync::ordered) {
+      const std::uint32_t attachments = ordered_attachments_for(frame.options.k);
+      layers_ = frame.make_image("fragment layers", kOrderedFormat, attachments, ImageUse::read_back);
+      target_ = OrderedTarget(frame.context, frame.pipelines.ordered(attachments), layers_);
+    } else if (frame.sync == Sync::interlock) {
+      slots_ = frame.make_buffer("fragment slots", 12 * slots);
+    } else {
+      slots_ = frame.make_buffer("fragment keys", 8 * slots);
+      colors_ = frame.make_buffer("fragment colours", 4 * slots);
+    }
   }
+
   void start(Frame& frame, Recorder& recorder) override {
-    const std::uint32_t k = frame.options.k;
-    recorder.bind(Slot::a, keys_);
-    recorder.bind(Slot::c, colors_);
-    recorder.fill(keys_, 0xFFFFFFFFU);
-    recorder.barrier();
-    frame.gather(recorder, "capture/nearest_keys.frag", {frame.effect, k});
-    recorder.barrier();
-    frame.gather(recorder, "capture/nearest_colors.frag", {frame.effect, k});
-    recorder.barrier();
-    recorder.begin_resolve();
-    recorder.dispatch(frame.pipelines.compute("resolve/keys.comp", {frame.effect, k}), frame.tiles_x(),
-                      frame.tiles_y());
+    const Constants constants{frame.effect, frame.options.k};
+    if (slots_) {
+      recorder.bind(Slot::a, slots_);
+      recorder.fill(slots_, 0xFFFFFFFFU);
+    }
+    if (frame.sync == Sync::ordered) {
+      insert_in_order(frame, recorder, constants);
+      resolve(frame, recorder, "resolve/slots_layers.comp", constants);
+    } else if (frame.sync == Sync::interlock) {
+      recorder.barrier();
+      frame.gather(recorder, "capture/interlock_slots.frag", constants);
+      resolve(frame, recorder, "resolve/slots_buffer.comp", constants);
+    } else {
+      recorder.bind(Slot::c, colors_);
+      recorder.barrier();
+      frame.gather(recorder, "capture/nearest_keys.frag", constants);
+      recorder.barrier();
+      frame.gather(recorder, "capture/nearest_colors.frag", constants);
+      resolve(frame, recorder, "resolve/keys.comp", constants);
+    }
   }
 
  private:
-  Buffer keys_, colors_;
+  void insert_in_order(Frame& frame, Recorder& recorder, const Constants& constants) const {
+    const OrderedLayout& layout = target_.layout();
+    const std::string shader = fmt::format("capture/ordered_slots_{}.frag", layout.attachments());
+    recorder.prepare(layers_);
+    recorder.bind(Slot::image_0, layers_);
+    recorder.draw_ordered(
+        frame.scene,
+        frame.pipelines.scene({.fragment_shader = shader,
+                               .constants = constants,
+                               .colors = std::vector<VkFormat>(layout.attachments(), kOrderedFormat),
+                               .ordered = &layout}),
+        target_, frame.attachments());
+  }
+  static void resolve(const Frame& frame, Recorder& recorder, std::string_view shader,
+                      const Constants& constants) {
+    recorder.barrier();
+    recorder.begin_resolve();
+    recorder.dispatch(frame.pipelines.compute(shader, constants), frame.tiles_x(), frame.tiles_y());
+  }
+
+  Buffer slots_, colors_;
+  Image layers_;
+  OrderedTarget target_;
 };
 
 }  // namespace
@@ -42,9 +90,10 @@ TechniqueEntry k_buffer() {
            .paper = "Bavoil et al. 2007",
            .exact = false,
            .captures = "the k nearest of a pixel",
-           .passes_formula = "2",
+           .passes_formula = "1 or 2",
            .bytes_formula = "12 K",
            .multisampled = true,
+           .synchronised = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<NearestK>()); }};
 }

@@ -96,6 +96,30 @@ std::string lower(std::string text) {
   return text;
 }
 
+constexpr std::uint32_t kMostOrderedAttachments = 8;  // shaders/capture/ordered_slots.frag
+
+// Of extensions that a device need not have.
+struct OptionalFeatures {
+  VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
+  VkPhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT ordered{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_FEATURES_EXT};
+  VkPhysicalDeviceFragmentShaderInterlockFeaturesEXT interlock{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FRAGMENT_SHADER_INTERLOCK_FEATURES_EXT};
+
+  // Appends those that are wanted to a chain of structures.
+  void chain(void** end, bool with_conditional, bool with_ordered, bool with_interlock) {
+    const auto append = [&](bool wanted, auto& features) {
+      if (!wanted) return;
+      *end = &features;
+      end = &features.pNext;
+    };
+    append(with_conditional, conditional);
+    append(with_ordered, ordered);
+    append(with_interlock, interlock);
+  }
+};
+
 // Why a device cannot be used; empty: it can.
 std::string unfit(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
   if (properties.apiVersion < VK_API_VERSION_1_3) return "has no Vulkan 1.3";
@@ -114,7 +138,7 @@ std::string unfit(VkPhysicalDevice device, const VkPhysicalDeviceProperties& pro
 
 }  // namespace
 
-void check(VkResult result, const char* what) {
+void check(VkResult result, std::string_view what) {
   if (result == VK_SUCCESS) return;
   const char* name = name_of(result);
   throw Error(ErrorKind::internal, name != nullptr
@@ -134,11 +158,24 @@ Context::OwnedDevice::~OwnedDevice() {
   if (handle != VK_NULL_HANDLE) vkDestroyDevice(handle, nullptr);
 }
 
-Context::Context(const DeviceOptions& options) : log_(std::make_unique<ValidationLog>()) {
+Context::Context(const DeviceOptions& options)
+    : fault_(options.fault), log_(std::make_unique<ValidationLog>()) {
   create_instance(options.validate);
-  choose_device(options.device);
+  choose_device(options);
   create_device();
   create_layouts();
+}
+
+VkResult Context::attempt(std::string_view what, const std::function<VkResult()>& make) {
+  if (lost_) return VK_ERROR_DEVICE_LOST;
+  const auto injected = static_cast<VkResult>(fault_ ? fault_(what) : 0);
+  const VkResult result = injected == VK_SUCCESS ? make() : injected;
+  lost_ = result == VK_ERROR_DEVICE_LOST;
+  return result;
+}
+
+void Context::call(std::string_view what, const std::function<VkResult()>& make) {
+  check(attempt(what, make), what);
 }
 
 void Context::create_instance(bool validate) {
@@ -176,7 +213,8 @@ void Context::create_instance(bool validate) {
   }
 }
 
-void Context::choose_device(const std::string& wanted) {
+void Context::choose_device(const DeviceOptions& options) {
+  const std::string& wanted = options.device;
   std::uint32_t count = 0;
   check(vkEnumeratePhysicalDevices(instance_.handle, &count, nullptr), "listing devices");
   std::vector<VkPhysicalDevice> devices(count);
@@ -204,10 +242,11 @@ void Context::choose_device(const std::string& wanted) {
                     wanted.empty() ? std::string("can be used") : "is named '" + wanted + "'",
                     there.empty() ? "none (Debian: mesa-vulkan-drivers has one for the CPU)" : there));
   }
-  read_info();
+  read_info(options.max_buffer_bytes);
+  read_features();
 }
 
-void Context::read_info() {
+void Context::read_info(std::uint64_t most_buffer_bytes) {
   VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
                                           .pNext = &subgroup};
@@ -223,23 +262,34 @@ void Context::read_info() {
   info_.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   info_.cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info_.max_buffer_bytes = limits.maxStorageBufferRange;
+  if (most_buffer_bytes != 0) info_.max_buffer_bytes = std::min(info_.max_buffer_bytes, most_buffer_bytes);
   info_.max_side =
       std::min({limits.maxFramebufferWidth, limits.maxFramebufferHeight, limits.maxImageDimension2D});
 
-  VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
-      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
-  const bool may_be_conditional =
-      has(device_extensions(physical_), VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
-  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                              .pNext = may_be_conditional ? &conditional : nullptr};
+  info_.ordered_attachments =
+      std::min({limits.maxColorAttachments, limits.maxFragmentOutputAttachments,
+                limits.maxPerStageDescriptorInputAttachments, kMostOrderedAttachments});
+}
+
+void Context::read_features() {
+  const std::vector<VkExtensionProperties> extensions = device_extensions(physical_);
+  VkPhysicalDeviceVulkan12Features features12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                      .pNext = &features12};
+  OptionalFeatures optional;
+  void** end = &features12.pNext;
+  optional.chain(end, has(extensions, VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME),
+                 has(extensions, VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME),
+                 has(extensions, VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME));
   vkGetPhysicalDeviceFeatures2(physical_, &features);
   info_.atomics64 =
       features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
   info_.layered = features12.shaderOutputLayer == VK_TRUE;
   info_.precise_queries = features.features.occlusionQueryPrecise == VK_TRUE;
-  info_.conditional = conditional.conditionalRendering == VK_TRUE && features.features.depthClamp == VK_TRUE;
+  info_.conditional =
+      optional.conditional.conditionalRendering == VK_TRUE && features.features.depthClamp == VK_TRUE;
+  if (optional.ordered.rasterizationOrderColorAttachmentAccess == VK_FALSE) info_.ordered_attachments = 0;
+  info_.interlock = optional.interlock.fragmentShaderPixelInterlock == VK_TRUE;
 }
 
 void Context::create_device() {
@@ -249,13 +299,15 @@ void Context::create_device() {
                                       .queueFamilyIndex = queue_family_,
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
-  VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
-      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT,
-      .conditionalRendering = VK_TRUE};
+  const bool ordered = info_.ordered_attachments > 0;
+  OptionalFeatures optional;
+  optional.conditional.conditionalRendering = VK_TRUE;
+  optional.ordered.rasterizationOrderColorAttachmentAccess = VK_TRUE;
+  optional.interlock.fragmentShaderPixelInterlock = VK_TRUE;
   VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                              .pNext = info_.conditional ? &conditional : nullptr,
                                               .synchronization2 = VK_TRUE,
                                               .dynamicRendering = VK_TRUE};
+  optional.chain(&features13.pNext, info_.conditional, ordered, info_.interlock);
   VkPhysicalDeviceVulkan12Features features12{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
       .pNext = &features13,
@@ -271,15 +323,17 @@ void Context::create_device() {
                    .occlusionQueryPrecise = info_.precise_queries ? VK_TRUE : VK_FALSE,
                    .fragmentStoresAndAtomics = VK_TRUE,
                    .shaderInt64 = info_.atomics64 ? VK_TRUE : VK_FALSE}};
-  const std::array<const char*, 2> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME,
-                                              VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME};
+  std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+  if (info_.conditional) extensions.push_back(VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
+  if (ordered) extensions.push_back(VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME);
+  if (info_.interlock) extensions.push_back(VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue,
-                                .enabledExtensionCount = info_.conditional ? 2U : 1U,
+                                .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
                                 .ppEnabledExtensionNames = extensions.data()};
-  check(vkCreateDevice(physical_, &info, nullptr, &device_.handle), "creating the device");
+  call("creating the device", [&] { return vkCreateDevice(physical_, &info, nullptr, &device_.handle); });
   vkGetDeviceQueue(device_.handle, queue_family_, 0, &queue_);
   push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
       vkGetDeviceProcAddr(device_.handle, "vkCmdPushDescriptorSetKHR"));
@@ -292,7 +346,8 @@ void Context::create_device() {
                                      .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
                                      .queueFamilyIndex = queue_family_};
   VkCommandPool commands = VK_NULL_HANDLE;
-  check(vkCreateCommandPool(device_.handle, &pool, nullptr, &commands), "creating the command pool");
+  call("creating the command pool",
+       [&] { return vkCreateCommandPool(device_.handle, &pool, nullptr, &commands); });
   commands_ = {device_.handle, commands};
 }
 
@@ -312,31 +367,37 @@ void Context::create_layouts() {
                                             .bindingCount = kSlots,
                                             .pBindings = bindings.data()};
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  check(vkCreateDescriptorSetLayout(device_.handle, &set, nullptr, &set_layout),
-        "creating the descriptor layout");
+  call("creating the descriptor layout",
+       [&] { return vkCreateDescriptorSetLayout(device_.handle, &set, nullptr, &set_layout); });
   set_layout_ = {device_.handle, set_layout};
+  pipeline_layout_ = make_pipeline_layout();
+}
+
+OwnedPipelineLayout Context::make_pipeline_layout(VkDescriptorSetLayout set_1) {
   const VkPushConstantRange push{
       .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
       .offset = 0,
       .size = kPushBytes};
+  const std::array<VkDescriptorSetLayout, 2> sets{set_layout_.get(), set_1};
   const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                        .setLayoutCount = 1,
-                                        .pSetLayouts = &set_layout,
+                                        .setLayoutCount = set_1 == VK_NULL_HANDLE ? 1U : 2U,
+                                        .pSetLayouts = sets.data(),
                                         .pushConstantRangeCount = 1,
                                         .pPushConstantRanges = &push};
   VkPipelineLayout layout = VK_NULL_HANDLE;
-  check(vkCreatePipelineLayout(device_.handle, &info, nullptr, &layout), "creating the pipeline layout");
-  pipeline_layout_ = {device_.handle, layout};
+  call("creating the pipeline layout",
+       [&] { return vkCreatePipelineLayout(device_.handle, &info, nullptr, &layout); });
+  return {device_.handle, layout};
 }
 
 void Context::submit(const std::function<void(VkCommandBuffer)>& record) {
-  check(vkResetCommandPool(device_.handle, commands_.get(), 0), "resetting the command pool");
+  call("resetting the command pool", [&] { return vkResetCommandPool(device_.handle, commands_.get(), 0); });
   const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                              .commandPool = commands_.get(),
                                              .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
                                              .commandBufferCount = 1};
   VkCommandBuffer commands = VK_NULL_HANDLE;
-  check(vkAllocateCommandBuffers(device_.handle, &allocate, &commands), "allocating commands");
+  call("allocating commands", [&] { return vkAllocateCommandBuffers(device_.handle, &allocate, &commands); });
   struct Free {
     VkDevice device;
     VkCommandPool pool;
@@ -345,20 +406,24 @@ void Context::submit(const std::function<void(VkCommandBuffer)>& record) {
   } const free{device_.handle, commands_.get(), commands};
   const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-  check(vkBeginCommandBuffer(commands, &begin), "recording");
+  call("recording", [&] { return vkBeginCommandBuffer(commands, &begin); });
   record(commands);
-  check(vkEndCommandBuffer(commands), "recording");
+  call("recording", [&] { return vkEndCommandBuffer(commands); });
 
   const VkFenceCreateInfo fence_info{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   VkFence fence = VK_NULL_HANDLE;
-  check(vkCreateFence(device_.handle, &fence_info, nullptr, &fence), "creating a fence");
+  call("creating a fence", [&] { return vkCreateFence(device_.handle, &fence_info, nullptr, &fence); });
   const OwnedFence owned(device_.handle, fence);
   const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                          .commandBuffer = commands};
   const VkSubmitInfo2 submission{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &buffer};
-  check(vkQueueSubmit2(queue_, 1, &submission, fence), "submitting");
-  check(vkWaitForFences(device_.handle, 1, &fence, VK_TRUE, UINT64_MAX), "waiting");
+  call("submitting", [&] { return vkQueueSubmit2(queue_, 1, &submission, fence); });
+  const VkResult waited =
+      attempt("waiting", [&] { return vkWaitForFences(device_.handle, 1, &fence, VK_TRUE, UINT64_MAX); });
+  // What is still at work may not be destroyed; a device that was lost does not make us wait.
+  if (waited != VK_SUCCESS) vkDeviceWaitIdle(device_.handle);
+  check(waited, "waiting for the device");
 }
 
 std::vector<std::string> Context::validation_messages() const {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "handle.h"
@@ -18,7 +19,7 @@
 namespace pellucid::render {
 
 // Throw Error{internal} that names the call and the result, with a remedy where there is one.
-void check(VkResult result, const char* what);
+void check(VkResult result, std::string_view what);
 
 // What validation layers said; filled from any thread.
 struct ValidationLog {
@@ -42,6 +43,13 @@ class Context {
   [[nodiscard]] PFN_vkCmdBeginConditionalRenderingEXT begin_conditional() const { return begin_conditional_; }
   [[nodiscard]] PFN_vkCmdEndConditionalRenderingEXT end_conditional() const { return end_conditional_; }
   [[nodiscard]] double nanoseconds_per_tick() const { return nanoseconds_per_tick_; }
+
+  // Every call that may fail goes through one of these, so that tests can let it fail
+  // (DeviceOptions::fault); call() throws as check() does. Nothing is attempted once the device was lost.
+  VkResult attempt(std::string_view what, const std::function<VkResult()>& make);
+  void call(std::string_view what, const std::function<VkResult()>& make);
+  // Set 0 and push constants of all shaders, and perhaps a set 1.
+  OwnedPipelineLayout make_pipeline_layout(VkDescriptorSetLayout set_1 = VK_NULL_HANDLE);
 
   // Record, run and wait. Throws Error{internal} on device loss.
   void submit(const std::function<void(VkCommandBuffer)>& record);
@@ -67,11 +75,14 @@ class Context {
   };
 
   void create_instance(bool validate);
-  void choose_device(const std::string& wanted);
-  void read_info();
+  void choose_device(const DeviceOptions& options);
+  void read_info(std::uint64_t most_buffer_bytes);
+  void read_features();
   void create_device();
   void create_layouts();
 
+  std::function<int(std::string_view)> fault_;
+  bool lost_ = false;
   std::unique_ptr<ValidationLog> log_;
   OwnedInstance instance_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;

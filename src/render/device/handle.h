@@ -36,14 +36,17 @@ class Owned {
 
 using OwnedBuffer = Owned<VkBuffer, vkDestroyBuffer>;
 using OwnedCommandPool = Owned<VkCommandPool, vkDestroyCommandPool>;
+using OwnedDescriptorPool = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
 using OwnedDescriptorSetLayout = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>;
 using OwnedFence = Owned<VkFence, vkDestroyFence>;
+using OwnedFramebuffer = Owned<VkFramebuffer, vkDestroyFramebuffer>;
 using OwnedImage = Owned<VkImage, vkDestroyImage>;
 using OwnedImageView = Owned<VkImageView, vkDestroyImageView>;
 using OwnedMemory = Owned<VkDeviceMemory, vkFreeMemory>;
 using OwnedPipeline = Owned<VkPipeline, vkDestroyPipeline>;
 using OwnedPipelineLayout = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
 using OwnedQueryPool = Owned<VkQueryPool, vkDestroyQueryPool>;
+using OwnedRenderPass = Owned<VkRenderPass, vkDestroyRenderPass>;
 using OwnedShaderModule = Owned<VkShaderModule, vkDestroyShaderModule>;
 
 }  // namespace pellucid::render

@@ -33,7 +33,8 @@ OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRe
                                   .allocationSize = needs.size,
                                   .memoryTypeIndex = type.value_or(0)};
   VkDeviceMemory memory = VK_NULL_HANDLE;
-  const VkResult result = vkAllocateMemory(context.device(), &info, nullptr, &memory);
+  const VkResult result = context.attempt(
+      "allocating memory", [&] { return vkAllocateMemory(context.device(), &info, nullptr, &memory); });
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) {
     throw Error(
         ErrorKind::internal,
@@ -65,14 +66,17 @@ Buffer::Buffer(Context& context, const std::string& name, std::uint64_t bytes, M
                (context.info().conditional ? VkBufferUsageFlags{VK_BUFFER_USAGE_CONDITIONAL_RENDERING_BIT_EXT}
                                            : VkBufferUsageFlags{0})};
   VkBuffer buffer = VK_NULL_HANDLE;
-  check(vkCreateBuffer(context.device(), &info, nullptr, &buffer), "creating a buffer");
+  context.call(fmt::format("creating the {} of {} bytes", name, bytes_),
+               [&] { return vkCreateBuffer(context.device(), &info, nullptr, &buffer); });
   buffer_ = {context.device(), buffer};
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(context.device(), buffer, &needs);
   memory_ = allocate(context, name, needs, kind);
-  check(vkBindBufferMemory(context.device(), buffer, memory_.get(), 0), "binding memory");
+  context.call("binding memory of the " + name,
+               [&] { return vkBindBufferMemory(context.device(), buffer, memory_.get(), 0); });
   if (kind == MemoryKind::readback) {
-    check(vkMapMemory(context.device(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_), "mapping memory");
+    context.call("mapping the " + name,
+                 [&] { return vkMapMemory(context.device(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_); });
   }
 }
 
@@ -111,6 +115,9 @@ void Buffer::download(Context& context, std::span<std::byte> data, std::uint64_t
 Image::Image(Context& context, const std::string& name, const ImageSpec& spec) : spec_(spec) {
   const VkImageUsageFlags attachment =
       spec.depth() ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  const VkImageUsageFlags read_back = spec.use == ImageUse::read_back
+                                          ? VkImageUsageFlags{VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT}
+                                          : VkImageUsageFlags{0};
   const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                .imageType = VK_IMAGE_TYPE_2D,
                                .format = spec.format,
@@ -119,25 +126,29 @@ Image::Image(Context& context, const std::string& name, const ImageSpec& spec) :
                                .arrayLayers = spec.layers,
                                .samples = VK_SAMPLE_COUNT_1_BIT,
                                .tiling = VK_IMAGE_TILING_OPTIMAL,
-                               .usage = attachment | VK_IMAGE_USAGE_SAMPLED_BIT};
+                               .usage = attachment | VK_IMAGE_USAGE_SAMPLED_BIT | read_back};
   VkImage image = VK_NULL_HANDLE;
-  check(vkCreateImage(context.device(), &info, nullptr, &image), "creating an image");
+  context.call("creating the image '" + name + "'",
+               [&] { return vkCreateImage(context.device(), &info, nullptr, &image); });
   image_ = {context.device(), image};
   VkMemoryRequirements needs{};
   vkGetImageMemoryRequirements(context.device(), image, &needs);
   bytes_ = needs.size;
   memory_ = allocate(context, name, needs, MemoryKind::device);
-  check(vkBindImageMemory(context.device(), image, memory_.get(), 0), "binding memory");
+  context.call("binding memory of the image '" + name + "'",
+               [&] { return vkBindImageMemory(context.device(), image, memory_.get(), 0); });
 
   const auto make_view = [&](VkImageAspectFlags aspect) {
     const VkImageViewCreateInfo view_info{
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = image,
-        .viewType = spec.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+        .viewType = spec.layers > 1 || spec.use == ImageUse::read_back ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                                       : VK_IMAGE_VIEW_TYPE_2D,
         .format = spec.format,
         .subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = spec.layers}};
     VkImageView view = VK_NULL_HANDLE;
-    check(vkCreateImageView(context.device(), &view_info, nullptr, &view), "creating an image view");
+    context.call("creating an image view",
+                 [&] { return vkCreateImageView(context.device(), &view_info, nullptr, &view); });
     return OwnedImageView(context.device(), view);
   };
   const bool stencil = spec.format == VK_FORMAT_D32_SFLOAT_S8_UINT;

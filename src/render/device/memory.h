@@ -52,9 +52,15 @@ Buffer make_filled(Context& context, const std::string& name, const std::vector<
   return buffer;
 }
 
+enum class ImageUse {
+  attachment,  // and to be read by shaders afterwards
+  read_back    // by the fragment shaders that write it, too
+};
+
 struct ImageSpec {
   VkFormat format = VK_FORMAT_R32_SFLOAT;
   std::uint32_t width = 0, height = 0, layers = 1;
+  ImageUse use = ImageUse::attachment;
   [[nodiscard]] bool depth() const {
     return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
   }

@@ -4,18 +4,23 @@
 #include <cassert>
 
 #include "../gpu_scene.h"
+#include "ordered_attachments.h"
 
 namespace pellucid::render {
 namespace {
 
-OwnedShaderModule load(Context& context, std::string_view name) {
-  const std::span<const std::uint32_t> code = shader_code(name);
+OwnedShaderModule load(Context& context, std::span<const std::uint32_t> code) {
   const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                       .codeSize = code.size_bytes(),
                                       .pCode = code.data()};
   VkShaderModule module = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(context.device(), &info, nullptr, &module), "loading a shader");
+  context.call("loading a shader",
+               [&] { return vkCreateShaderModule(context.device(), &info, nullptr, &module); });
   return {context.device(), module};
+}
+
+OwnedShaderModule load(Context& context, std::string_view name) {
+  return load(context, shader_code(name));
 }
 
 // Points into `constants`, which has to outlive it.
@@ -141,8 +146,12 @@ ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
       .minSampleShading = 1};
   const VkPipelineDepthStencilStateCreateInfo depth = depth_state(spec);
   const std::vector<VkPipelineColorBlendAttachmentState> blends(spec.colors.size(), blend_state(spec.blend));
+  constexpr auto kInOrder =
+      VK_PIPELINE_COLOR_BLEND_STATE_CREATE_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_BIT_EXT;
   const VkPipelineColorBlendStateCreateInfo blend{
       .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+      .flags = spec.ordered == nullptr ? VkPipelineColorBlendStateCreateFlags{0}
+                                       : VkPipelineColorBlendStateCreateFlags{kInOrder},
       .attachmentCount = static_cast<std::uint32_t>(blends.size()),
       .pAttachments = blends.data()};
   const std::array<VkDynamicState, 2> dynamic{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
@@ -157,24 +166,27 @@ ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
       .depthAttachmentFormat = spec.depth,
       .stencilAttachmentFormat =
           spec.depth == VK_FORMAT_D32_SFLOAT_S8_UINT ? spec.depth : VK_FORMAT_UNDEFINED};
-  const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                          .pNext = &rendering,
-                                          .stageCount = static_cast<std::uint32_t>(stages.size()),
-                                          .pStages = stages.data(),
-                                          .pVertexInputState = &input,
-                                          .pInputAssemblyState = &assembly,
-                                          .pViewportState = &viewport,
-                                          .pRasterizationState = &raster,
-                                          .pMultisampleState = &samples,
-                                          .pDepthStencilState = &depth,
-                                          .pColorBlendState = &blend,
-                                          .pDynamicState = &dynamic_info,
-                                          .layout = context.pipeline_layout()};
+  const VkGraphicsPipelineCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+      .pNext = spec.ordered == nullptr ? &rendering : nullptr,
+      .stageCount = static_cast<std::uint32_t>(stages.size()),
+      .pStages = stages.data(),
+      .pVertexInputState = &input,
+      .pInputAssemblyState = &assembly,
+      .pViewportState = &viewport,
+      .pRasterizationState = &raster,
+      .pMultisampleState = &samples,
+      .pDepthStencilState = &depth,
+      .pColorBlendState = &blend,
+      .pDynamicState = &dynamic_info,
+      .layout = spec.ordered == nullptr ? context.pipeline_layout() : spec.ordered->pipeline_layout(),
+      .renderPass = spec.ordered == nullptr ? VkRenderPass{VK_NULL_HANDLE} : spec.ordered->render_pass()};
   const auto make = [&](VkCullModeFlags cull) {
     raster.cullMode = cull;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateGraphicsPipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-          "creating a pipeline");
+    context.call("creating a pipeline", [&] {
+      return vkCreateGraphicsPipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+    });
     return OwnedPipeline(context.device(), pipeline);
   };
   ScenePipeline pipelines;
@@ -183,15 +195,21 @@ ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
   return pipelines;
 }
 
-OwnedPipeline make_compute_pipeline(Context& context, std::string_view shader, const Constants& values) {
+OwnedPipeline make_compute_pipeline(Context& context, std::string_view shader, const Constants& constants) {
+  return make_compute_pipeline(context, shader_code(shader), constants);
+}
+
+OwnedPipeline make_compute_pipeline(Context& context, std::span<const std::uint32_t> code,
+                                    const Constants& values) {
   const Specialization constants(values);
-  const OwnedShaderModule module = load(context, shader);
+  const OwnedShaderModule module = load(context, code);
   const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                          .stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, module, constants),
                                          .layout = context.pipeline_layout()};
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateComputePipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-        "creating a pipeline");
+  context.call("creating a pipeline", [&] {
+    return vkCreateComputePipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+  });
   return {context.device(), pipeline};
 }
 

@@ -16,6 +16,8 @@ namespace pellucid::render {
 std::span<const std::uint32_t> shader_code(std::string_view name);
 std::span<const std::string_view> shader_names();
 
+class OrderedLayout;
+
 // Specialisation constants 0, 1, 2, ... of a shader.
 using Constants = std::vector<std::uint32_t>;
 
@@ -38,8 +40,9 @@ struct GraphicsSpec {
   bool depth_write = false;
   std::string_view vertex_shader = "interface/scene.vert";
   Stencil stencil = Stencil::none;
-  std::uint32_t samples = 1;  // each is shaded by itself
-  bool clamp_depth = false;   // in place of clipping at the near and the far plane
+  std::uint32_t samples = 1;               // each is shaded by itself
+  bool clamp_depth = false;                // in place of clipping at the near and the far plane
+  const OrderedLayout* ordered = nullptr;  // the colours are ordered attachments
 };
 
 // Pipelines over scene triangles: one that draws both sides, one that culls back faces.
@@ -48,5 +51,7 @@ struct ScenePipeline {
 };
 ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec);
 OwnedPipeline make_compute_pipeline(Context& context, std::string_view shader, const Constants& constants);
+OwnedPipeline make_compute_pipeline(Context& context, std::span<const std::uint32_t> code,
+                                    const Constants& constants);
 
 }  // namespace pellucid::render

@@ -1,6 +1,9 @@
 // Recording: see recorder.h.
 #include "recorder.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "../gpu_scene.h"
 
 namespace pellucid::render {
@@ -140,27 +143,57 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
   if (attachments.number_stencils) number_stencils(area, attachments.layers);
   set_window(attachments);
   push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
+  draw_triangles(scene, pipeline, attachments.layers, some);
+  vkCmdEndRendering(commands_);
+}
+
+void Recorder::draw_ordered(const GpuScene& scene, const ScenePipeline& pipeline, const OrderedTarget& target,
+                            const Attachments& window) {
+  ++geometry_passes_;
+  const OrderedLayout& layout = target.layout();
+  VkClearValue nothing{};
+  std::fill(std::begin(nothing.color.uint32), std::end(nothing.color.uint32), 0xFFFFFFFFU);
+  const std::vector<VkClearValue> clears(layout.attachments(), nothing);
+  const VkRenderPassBeginInfo begin{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                    .renderPass = layout.render_pass(),
+                                    .framebuffer = target.framebuffer(),
+                                    .renderArea = {.offset = {0, 0}, .extent = {window.width, window.height}},
+                                    .clearValueCount = layout.attachments(),
+                                    .pClearValues = clears.data()};
+  vkCmdBeginRenderPass(commands_, &begin, VK_SUBPASS_CONTENTS_INLINE);
+  set_window(window);
+  push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
+  const VkDescriptorSet set = target.set();
+  vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 1, 1, &set, 0,
+                          nullptr);
+  draw_triangles(scene, pipeline, 1, nullptr);
+  vkCmdEndRenderPass(commands_);
+}
+
+void Recorder::draw_triangles(const GpuScene& scene, const ScenePipeline& pipeline, std::uint32_t layers,
+                              const SomeTriangles* some) {
   const std::array<VkBuffer, 2> vertices{scene.positions.get(), scene.normals.get()};
   const std::array<VkDeviceSize, 2> offsets{};
   vkCmdBindVertexBuffers(commands_, 0, 2, vertices.data(), offsets.data());
-  const Buffer& indices = some != nullptr ? some->indices : scene.indices;
-  vkCmdBindIndexBuffer(commands_, indices.get(), 0, VK_INDEX_TYPE_UINT32);
   if (some != nullptr) {
+    vkCmdBindIndexBuffer(commands_, some->indices.get(), 0, VK_INDEX_TYPE_UINT32);
     for (std::size_t i = 0; i < scene.ranges.size(); ++i) {
       bind_range(scene.ranges[i], pipeline);
       vkCmdDrawIndexedIndirect(commands_, some->arguments.get(), i * sizeof(VkDrawIndexedIndirectCommand), 1,
                                sizeof(VkDrawIndexedIndirectCommand));
     }
-  } else if (predicates_ == nullptr) {
-    for (const DrawRange& range : scene.ranges) draw_range(range, pipeline, attachments.layers);
-  } else {
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
-      begin_if(*predicates_, i);
-      draw_range(groups_[i], pipeline, attachments.layers);
-      end_if();
-    }
+    return;
   }
-  vkCmdEndRendering(commands_);
+  vkCmdBindIndexBuffer(commands_, scene.indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  if (predicates_ == nullptr) {
+    for (const DrawRange& range : scene.ranges) draw_range(range, pipeline, layers);
+    return;
+  }
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    begin_if(*predicates_, i);
+    draw_range(groups_[i], pipeline, layers);
+    end_if();
+  }
 }
 
 void Recorder::set_window(const Attachments& attachments) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "memory.h"
+#include "ordered_attachments.h"
 #include "pipeline.h"
 
 namespace pellucid::render {
@@ -111,6 +112,9 @@ class Recorder {
   // One geometry pass: all triangles of the scene, or some of them.
   void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments,
             const SomeTriangles* some = nullptr);
+  // The same into ordered attachments, whose words all start as 0xFFFFFFFF.
+  void draw_ordered(const GpuScene& scene, const ScenePipeline& pipeline, const OrderedTarget& target,
+                    const Attachments& window);
   // From now on draw() draws these instead of the scene's ranges, each one if its word in `predicates` is not
   // 0.
   void draw_groups(std::span<const DrawRange> groups, const Buffer& predicates);
@@ -139,6 +143,8 @@ class Recorder {
  private:
   void push_state(VkPipelineBindPoint point);
   void push_words();
+  void draw_triangles(const GpuScene& scene, const ScenePipeline& pipeline, std::uint32_t layers,
+                      const SomeTriangles* some);
   void set_window(const Attachments& attachments);
   void bind_range(const DrawRange& range, const ScenePipeline& pipeline);
   void draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers);

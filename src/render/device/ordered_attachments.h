@@ -1,0 +1,48 @@
+// ordered_attachments.h - colour attachments that fragment shaders read back: fragments of a pixel come one
+// after the other, in the sequence of drawing (VK_EXT_rasterization_order_attachment_access), which needs a
+// render pass of the older kind and input attachments.
+#pragma once
+
+#include <vector>
+
+#include "memory.h"
+
+namespace pellucid::render {
+
+constexpr VkFormat kOrderedFormat = VK_FORMAT_R32G32B32A32_UINT;
+
+// What all passes with so many of them share; set 0 is that of all other passes.
+class OrderedLayout {
+ public:
+  OrderedLayout(Context& context, std::uint32_t attachments);
+  [[nodiscard]] std::uint32_t attachments() const { return attachments_; }
+  [[nodiscard]] VkRenderPass render_pass() const { return render_pass_.get(); }
+  [[nodiscard]] VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
+  [[nodiscard]] VkPipelineLayout pipeline_layout() const { return pipeline_layout_.get(); }
+
+ private:
+  std::uint32_t attachments_;
+  OwnedRenderPass render_pass_;
+  OwnedDescriptorSetLayout set_layout_;
+  OwnedPipelineLayout pipeline_layout_;
+};
+
+// The attachments as layers of one image.
+class OrderedTarget {
+ public:
+  OrderedTarget() = default;
+  // `layers` has at least two, and has to outlive it.
+  OrderedTarget(Context& context, const OrderedLayout& layout, const Image& layers);
+  [[nodiscard]] VkFramebuffer framebuffer() const { return framebuffer_.get(); }
+  [[nodiscard]] VkDescriptorSet set() const { return set_; }
+  [[nodiscard]] const OrderedLayout& layout() const { return *layout_; }
+
+ private:
+  const OrderedLayout* layout_ = nullptr;
+  std::vector<OwnedImageView> views_;
+  OwnedFramebuffer framebuffer_;
+  OwnedDescriptorPool pool_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;  // the pool's
+};
+
+}  // namespace pellucid::render

@@ -1,0 +1,152 @@
+// Ways of keeping fragments of a pixel apart: all capture the same.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "render/frame.h"
+#include "render_helpers.h"
+
+namespace pellucid {
+namespace {
+
+constexpr std::uint32_t kReplayKeys[] =
+#include "replay_keys.inc"
+    ;
+
+class Synchronisation : public ::testing::Test {
+ protected:
+  void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
+
+  static std::vector<Sync> ways(std::uint32_t k) {
+    const DeviceInfo& info = testing::test_renderer().info();
+    std::vector<Sync> all;
+    if (info.atomics64) all.push_back(Sync::atomics);
+    if (3 * k <= 4 * info.ordered_attachments) all.push_back(Sync::ordered);
+    if (info.interlock) all.push_back(Sync::interlock);
+    return all;
+  }
+  static RenderResult draw(std::uint32_t k, Sync sync, Effect effect = Effect::transparency) {
+    return testing::test_renderer().draw(
+        testing::unit_camera(48, 40),
+        {.technique = "kb", .effect = effect, .k = k, .sync = sync, .keep_fragments = true});
+  }
+};
+
+TEST_F(Synchronisation, AllWaysCaptureTheSame) {
+  RenderScene scene = testing::random_stack(41, 90);
+  const FragmentBuffer all = testing::cpu_fragments(scene, testing::unit_camera(48, 40));
+  for (const bool shuffled : {false, true}) {
+    if (shuffled) {
+      for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.push_back(i);
+      Random random(7);
+      for (std::size_t i = scene.sequence.size(); i > 1; --i)
+        std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
+    }
+    testing::test_renderer().load(scene);
+    for (const std::uint32_t k : {1U, 3U, 8U, 10U}) {
+      std::vector<Vec3f> picture;
+      for (const Sync sync : ways(k)) {
+        const RenderResult result = draw(k, sync);
+        const auto what = std::to_string(static_cast<int>(sync)) + ", k " + std::to_string(k);
+        EXPECT_EQ(result.stats.sync, sync) << what;
+        EXPECT_EQ(result.stats.geometry_passes, sync == Sync::atomics ? 2U : 1U) << what;
+        for (std::size_t p = 0; p + 1 < all.offsets.size(); ++p) {
+          const auto nearest = all.pixel(p).first(std::min<std::size_t>(k, all.pixel(p).size()));
+          ASSERT_TRUE(testing::same_fragments(testing::pixel_of(result.fragments, p), nearest))
+              << what << ", pixel " << p;
+        }
+        if (picture.empty()) picture = result.pixels;
+        EXPECT_EQ(result.pixels, picture) << what;
+      }
+    }
+  }
+}
+
+TEST_F(Synchronisation, OtherEffectsGetTheSame) {
+  testing::test_renderer().load(testing::random_boxes(5, 8, 4));
+  for (const Effect effect : {Effect::wireframe, Effect::coplanarity}) {
+    std::vector<Vec3f> picture;
+    for (const Sync sync : ways(8)) {
+      const RenderResult result = draw(8, sync, effect);
+      if (picture.empty()) picture = result.pixels;
+      EXPECT_EQ(result.pixels, picture) << static_cast<int>(sync);
+    }
+  }
+}
+
+TEST_F(Synchronisation, WhatDoesNotFitIsRefusedOrReplaced) {
+  Renderer& renderer = testing::test_renderer();
+  const DeviceInfo& info = renderer.info();
+  renderer.load(testing::coplanar_squares(3, 0.5F));
+  const Camera camera = testing::unit_camera(8, 8);
+  const auto refusal = [&](const RenderOptions& options) -> std::string {
+    try {
+      renderer.draw(camera, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::bad_argument);
+      return error.what();
+    }
+    return "";
+  };
+  if (!info.interlock) {
+    EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::interlock}),
+                ::testing::HasSubstr("VK_EXT_fragment_shader_interlock"));
+  }
+  EXPECT_THAT(refusal({.technique = "kb", .k = 64, .sync = Sync::ordered}), ::testing::HasSubstr("--sync ordered"));
+  if (!info.atomics64) return;
+  EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .k = 64}).stats.sync,
+            info.interlock ? Sync::interlock : Sync::atomics);
+  EXPECT_EQ(renderer.draw(camera, {.technique = "sb", .sync = Sync::ordered}).stats.sync, Sync::automatic);
+  if (!info.multisampling) return;
+  EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::ordered, .samples = 4}), ::testing::HasSubstr("one sample"));
+  EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .samples = 4}).stats.sync, Sync::atomics);
+}
+
+// The chain of atomic minima, with keys of a few pixels inserted by thousands of invocations at once.
+TEST_F(Synchronisation, ChainOfMinimaUnderContention) {
+  if (!testing::test_renderer().info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
+  constexpr std::uint32_t kPixels = 4;
+  constexpr std::uint32_t kSlotsOfPixel = 8;
+  constexpr std::uint32_t kKeys = 1U << 17U;
+  Random random(3);
+  std::vector<std::uint64_t> list;
+  std::vector<std::uint32_t> pixels;
+  std::vector<std::vector<std::uint64_t>> expected(kPixels);
+  for (std::uint32_t i = 0; i < kKeys; ++i) {
+    // Half of them nearer than all before, so that whole chains move.
+    const std::uint64_t depth = random.below(2) == 0 ? kKeys - i : random.below(kKeys);
+    list.push_back((depth << 32U) | (i + 2));
+    pixels.push_back(static_cast<std::uint32_t>(random.below(kPixels)));
+    expected[pixels.back()].push_back(list.back());
+  }
+  std::vector<std::uint64_t> nearest;
+  for (auto& keys : expected) {
+    std::partial_sort(keys.begin(), keys.begin() + kSlotsOfPixel, keys.end());
+    nearest.insert(nearest.end(), keys.begin(), keys.begin() + kSlotsOfPixel);
+  }
+
+  render::Context context({.device = testing::test_renderer().info().name,
+                           .validate = testing::validation_is_on()});
+  const render::Buffer unused(context, "unused slot", 16);
+  const render::Buffer keys = render::make_filled(context, "keys", std::vector(nearest.size(), ~std::uint64_t{0}));
+  const render::Buffer given = render::make_filled(context, "list", list);
+  const render::Buffer pixel_of = render::make_filled(context, "pixels", pixels);
+  const render::OwnedPipeline pipeline =
+      render::make_compute_pipeline(context, std::span<const std::uint32_t>(kReplayKeys), {0, kSlotsOfPixel});
+  context.submit([&](VkCommandBuffer commands) {
+    render::Recorder recorder(context, commands, unused, VK_NULL_HANDLE);
+    recorder.bind(render::Slot::a, keys);
+    recorder.bind(render::Slot::b, given);
+    recorder.bind(render::Slot::c, pixel_of);
+    recorder.push().p[0] = kKeys;
+    recorder.dispatch(pipeline, kKeys / 64, 1);
+  });
+  std::vector<std::uint64_t> found(nearest.size());
+  keys.download(context, std::as_writable_bytes(std::span(found)));
+  EXPECT_EQ(found, nearest);
+  EXPECT_TRUE(context.validation_messages().empty());
+}
+
+}  // namespace
+}  // namespace pellucid

@@ -38,6 +38,8 @@ struct DeviceOptions {
   // For tests: asked before each call of Vulkan that may fail, with what it is for; a VkResult other than 0
   // is taken for the call's, which is not made.
   std::function<int(std::string_view what)> fault{};
+  // Called with what validation says, from any thread, also while the renderer is destroyed.
+  std::function<void(const std::string&)> on_message{};
 };
 
 struct DeviceInfo {
@@ -244,7 +246,9 @@ RenderResult draw_reference(const RenderScene& scene, const Camera& camera, cons
 // A device with one scene on it. Not to be used from several threads at once.
 class Renderer {
  public:
-  // Throws Error{bad_argument} where no device fits, Error{internal} where it fails.
+  // Throws Error{bad_argument} where no device fits, Error{internal} where it fails: without memory, say, on
+  // the device or on the host. After such an error, here or below, nothing of what was begun is left, and the
+  // renderer can be used again, unless the device was lost: then all that follows throws.
   explicit Renderer(const DeviceOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;

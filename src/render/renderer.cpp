@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <new>
 #include <numeric>
 #include <optional>
 
@@ -103,7 +104,8 @@ struct Renderer::Implementation {
         timestamps(render::make_timestamps(context)),
         unused(context, "unused slot", 16),
         left_after(context, "pixels left after rounds", 4 * render::kMostRounds,
-                   render::MemoryKind::readback) {}
+                   render::MemoryKind::readback),
+        frame_buffer(context, "frame", sizeof(render::FrameData)) {}
 
   // What a draw() is about.
   struct Job {
@@ -118,6 +120,9 @@ struct Renderer::Implementation {
     std::uint32_t first_row, rows;
   };
 
+  RenderResult draw(Job job);
+  // Throws Error{internal} when the device is gone.
+  void refuse_if_lost() const;
   void draw_band(const Job& job, const Band& band, RenderResult& result);
   // Where the pool of the technique that was asked for does not suffice.
   [[nodiscard]] std::unique_ptr<render::Technique> make_for_small_pool(const Job& job,
@@ -440,6 +445,35 @@ std::unique_ptr<render::Technique> Renderer::Implementation::make_for_small_pool
   return render::nearest_rounds_in_pool(job.options.overflow);
 }
 
+RenderResult Renderer::Implementation::draw(Job job) {
+  // Nothing of it stays, however it ends.
+  struct Release {
+    Implementation& self;
+    ~Release() {
+      self.opaque.reset();
+      self.picture = {};
+      self.dump = {};
+    }
+  } const release{*this};
+  RenderResult result;
+  result.stats.sync = job.sync;
+  result.width = job.camera.width;
+  result.height = job.camera.height;
+  draw_band(job, {0, job.camera.height}, result);
+  if (job.options.keep_fragments) {
+    job.effect = render::kDumpEffect;
+    RenderResult dumped;
+    draw_band(job, {0, job.camera.height}, dumped);
+    result.fragments = std::move(dumped.fragments);
+  }
+  return result;
+}
+
+void Renderer::Implementation::refuse_if_lost() const {
+  if (context.lost())
+    throw Error(ErrorKind::internal, "the device was lost: it takes a new Renderer to go on");
+}
+
 Renderer::Renderer(const DeviceOptions& options)
     : implementation_(std::make_unique<Implementation>(options)) {}
 Renderer::~Renderer() = default;
@@ -451,10 +485,9 @@ const DeviceInfo& Renderer::info() const {
 }
 
 void Renderer::load(const RenderScene& scene) {
+  implementation_->refuse_if_lost();
   implementation_->scene.reset();
   implementation_->scene = render::upload_scene(implementation_->context, scene);
-  implementation_->frame_buffer =
-      render::Buffer(implementation_->context, "frame", sizeof(render::FrameData));
 }
 
 std::vector<std::string> Renderer::validation_messages() const {
@@ -543,31 +576,25 @@ void check_technique(const TechniqueInfo& technique, const RenderOptions& option
 
 RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, Progress* progress) {
   Implementation& self = *implementation_;
+  self.refuse_if_lost();
   if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
   check_options(camera, options, info(), self.scene->object_count);
   Implementation::Job job{camera, options, find_technique(options, info()),
                           static_cast<std::uint32_t>(options.effect), progress};
   check_technique(job.technique.info, options, info());
   job.sync = render::choose_sync(job.technique.info, options, info());
-  RenderResult result;
-  result.stats.sync = job.sync;
-  result.width = camera.width;
-  result.height = camera.height;
-  self.draw_band(job, {0, camera.height}, result);
-  if (options.keep_fragments) {
-    job.effect = render::kDumpEffect;
-    RenderResult dumped;
-    self.draw_band(job, {0, camera.height}, dumped);
-    result.fragments = std::move(dumped.fragments);
+  try {
+    return self.draw(job);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorKind::internal,
+                fmt::format("out of memory while drawing {}x{} pixels by {}: try a smaller --size",
+                            camera.width, camera.height, options.technique));
   }
-  self.opaque.reset();
-  self.picture = {};
-  self.dump = {};
-  return result;
 }
 
 OverdrawCount Renderer::count_overdraw(const Camera& camera) {
   Implementation& self = *implementation_;
+  self.refuse_if_lost();
   if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
   // An effect for which opaque surfaces are drawn like all others.
   RenderOptions options;

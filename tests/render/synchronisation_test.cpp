@@ -93,13 +93,15 @@ TEST_F(Synchronisation, WhatDoesNotFitIsRefusedOrReplaced) {
     EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::interlock}),
                 ::testing::HasSubstr("VK_EXT_fragment_shader_interlock"));
   }
-  EXPECT_THAT(refusal({.technique = "kb", .k = 64, .sync = Sync::ordered}), ::testing::HasSubstr("--sync ordered"));
+  EXPECT_THAT(refusal({.technique = "kb", .k = 64, .sync = Sync::ordered}),
+              ::testing::HasSubstr("--sync ordered"));
   if (!info.atomics64) return;
   EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .k = 64}).stats.sync,
             info.interlock ? Sync::interlock : Sync::atomics);
   EXPECT_EQ(renderer.draw(camera, {.technique = "sb", .sync = Sync::ordered}).stats.sync, Sync::automatic);
   if (!info.multisampling) return;
-  EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::ordered, .samples = 4}), ::testing::HasSubstr("one sample"));
+  EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::ordered, .samples = 4}),
+              ::testing::HasSubstr("one sample"));
   EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .samples = 4}).stats.sync, Sync::atomics);
 }
 
@@ -126,10 +128,11 @@ TEST_F(Synchronisation, ChainOfMinimaUnderContention) {
     nearest.insert(nearest.end(), keys.begin(), keys.begin() + kSlotsOfPixel);
   }
 
-  render::Context context({.device = testing::test_renderer().info().name,
-                           .validate = testing::validation_is_on()});
+  render::Context context(
+      {.device = testing::test_renderer().info().name, .validate = testing::validation_is_on()});
   const render::Buffer unused(context, "unused slot", 16);
-  const render::Buffer keys = render::make_filled(context, "keys", std::vector(nearest.size(), ~std::uint64_t{0}));
+  const render::Buffer keys =
+      render::make_filled(context, "keys", std::vector(nearest.size(), ~std::uint64_t{0}));
   const render::Buffer given = render::make_filled(context, "list", list);
   const render::Buffer pixel_of = render::make_filled(context, "pixels", pixels);
   const render::OwnedPipeline pipeline =

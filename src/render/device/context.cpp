@@ -43,6 +43,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
   auto* log = static_cast<ValidationLog*>(user);
   const std::scoped_lock lock(log->mutex);
   log->messages.emplace_back(data->pMessage);
+  if (log->on_message) log->on_message(log->messages.back());
   return VK_FALSE;
 }
 
@@ -160,6 +161,7 @@ Context::OwnedDevice::~OwnedDevice() {
 
 Context::Context(const DeviceOptions& options)
     : fault_(options.fault), log_(std::make_unique<ValidationLog>()) {
+  log_->on_message = options.on_message;
   create_instance(options.validate);
   choose_device(options);
   create_device();
@@ -204,7 +206,7 @@ void Context::create_instance(bool validate) {
                                   .ppEnabledLayerNames = &kValidationLayer,
                                   .enabledExtensionCount = validate ? 1U : 0U,
                                   .ppEnabledExtensionNames = &extension};
-  check(vkCreateInstance(&info, nullptr, &instance_.handle), "creating the instance");
+  call("creating the instance", [&] { return vkCreateInstance(&info, nullptr, &instance_.handle); });
   if (validate) {
     check(
         instance_call<PFN_vkCreateDebugUtilsMessengerEXT>(instance_.handle, "vkCreateDebugUtilsMessengerEXT")(

@@ -24,6 +24,7 @@ void check(VkResult result, std::string_view what);
 // What validation layers said; filled from any thread.
 struct ValidationLog {
   std::mutex mutex;
+  std::function<void(const std::string&)> on_message;
   std::vector<std::string> messages;
 };
 
@@ -48,6 +49,7 @@ class Context {
   // (DeviceOptions::fault); call() throws as check() does. Nothing is attempted once the device was lost.
   VkResult attempt(std::string_view what, const std::function<VkResult()>& make);
   void call(std::string_view what, const std::function<VkResult()>& make);
+  [[nodiscard]] bool lost() const { return lost_; }
   // Set 0 and push constants of all shaders, and perhaps a set 1.
   OwnedPipelineLayout make_pipeline_layout(VkDescriptorSetLayout set_1 = VK_NULL_HANDLE);
 

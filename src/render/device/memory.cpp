@@ -36,10 +36,10 @@ OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRe
   const VkResult result = context.attempt(
       "allocating memory", [&] { return vkAllocateMemory(context.device(), &info, nullptr, &memory); });
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) {
-    throw Error(
-        ErrorKind::internal,
-        fmt::format("{}: {} has no {:.0f} MB left for the {}: try a smaller --size or another --technique",
-                    "Vulkan", context.info().name, static_cast<double>(needs.size) / 1e6, name));
+    throw Error(ErrorKind::internal,
+                fmt::format("Vulkan: {} is out of memory: the {} takes {} bytes: try a smaller --size or "
+                            "another --technique",
+                            context.info().name, name, needs.size));
   }
   check(result, "allocating memory");
   return {context.device(), memory};

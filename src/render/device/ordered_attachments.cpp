@@ -5,15 +5,15 @@ namespace pellucid::render {
 namespace {
 
 OwnedRenderPass make_render_pass(Context& context, std::uint32_t attachments) {
-  const std::vector<VkAttachmentDescription> descriptions(
-      attachments, {.format = kOrderedFormat,
-                    .samples = VK_SAMPLE_COUNT_1_BIT,
-                    .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                    .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-                    .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-                    .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                    .initialLayout = VK_IMAGE_LAYOUT_GENERAL,
-                    .finalLayout = VK_IMAGE_LAYOUT_GENERAL});
+  const std::vector<VkAttachmentDescription> descriptions(attachments,
+                                                          {.format = kOrderedFormat,
+                                                           .samples = VK_SAMPLE_COUNT_1_BIT,
+                                                           .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                                           .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                                                           .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                                                           .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                                           .initialLayout = VK_IMAGE_LAYOUT_GENERAL,
+                                                           .finalLayout = VK_IMAGE_LAYOUT_GENERAL});
   std::vector<VkAttachmentReference> references;
   for (std::uint32_t i = 0; i < attachments; ++i) references.push_back({i, VK_IMAGE_LAYOUT_GENERAL});
   const VkSubpassDescription subpass{

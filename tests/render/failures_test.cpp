@@ -1,5 +1,5 @@
-// Calls of Vulkan that fail, at every place of a draw: one error that says what, no leak, and the next picture
-// is right.
+// Calls of Vulkan that fail, at every place of a draw: one error that says what, no leak, and the next
+// picture is right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,7 +40,9 @@ class Fault {
   void disarm() { result_ = 0; }
   void restart_count() { calls_ = 0; }
   [[nodiscard]] std::size_t calls() const { return calls_; }
-  [[nodiscard]] const std::string& failed() const { return failed_; }  // what the call was for; empty: none failed
+  [[nodiscard]] const std::string& failed() const {
+    return failed_;
+  }  // what the call was for; empty: none failed
   [[nodiscard]] std::string messages() const { return messages_; }
 
  private:
@@ -83,12 +85,12 @@ TEST(Failures, EveryCallOfADraw) {
     Renderer renderer(fault.options());
     renderer.load(translucent_and_opaque());
     const Camera camera = testing::unit_camera(12, 12);
-    for (const RenderOptions& options : std::initializer_list<RenderOptions>{
-             {.technique = "sb", .keep_fragments = true},
-             {.technique = "sb", .pool = 100, .overflow = Overflow::exact},
-             {.technique = "kb"},
-             {.technique = "f2b-2p", .cull = renderer.info().conditional},
-             {.technique = "f2b"}}) {
+    for (const RenderOptions& options :
+         std::initializer_list<RenderOptions>{{.technique = "sb", .keep_fragments = true},
+                                              {.technique = "sb", .pool = 100, .overflow = Overflow::exact},
+                                              {.technique = "kb"},
+                                              {.technique = "f2b-2p", .cull = renderer.info().conditional},
+                                              {.technique = "f2b"}}) {
       if (options.pool != 0 && !renderer.info().atomics64) continue;
       fault.disarm();
       fault.restart_count();
@@ -123,7 +125,8 @@ TEST(Failures, NamesWhatWasAskedFor) {
     errors.push_back(error_of([&] { renderer.draw(testing::unit_camera(12, 12), {.technique = "sb"}); }));
   }
   EXPECT_THAT(errors, ::testing::Contains(::testing::AllOf(HasSubstr("fragment pool"), HasSubstr("bytes"))));
-  EXPECT_THAT(errors, ::testing::Contains(::testing::AllOf(HasSubstr("out of memory: the fragment pool"), HasSubstr("bytes"))));
+  EXPECT_THAT(errors, ::testing::Contains(::testing::AllOf(HasSubstr("out of memory: the fragment pool"),
+                                                           HasSubstr("bytes"))));
   EXPECT_THAT(errors, ::testing::Contains(HasSubstr("submitting")));
 }
 

@@ -8,11 +8,12 @@ set(PELLUCID_PLAIN_ARCHIVES "" CACHE PATH "Libraries of another build that stand
 function(pellucid_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;USES;PRIVATE_USES" ${ARGN})
   if(PELLUCID_PLAIN_ARCHIVES AND name IN_LIST PELLUCID_PLAIN_ROOMS)
-    add_library(pellucid_${name} INTERFACE)
+    add_library(pellucid_${name} STATIC IMPORTED GLOBAL)
+    set_target_properties(pellucid_${name} PROPERTIES
+      IMPORTED_LOCATION ${PELLUCID_PLAIN_ARCHIVES}/libpellucid_${name}.a)
     add_library(pellucid::${name} ALIAS pellucid_${name})
     target_include_directories(pellucid_${name} INTERFACE ${PROJECT_SOURCE_DIR}/include)
-    target_link_libraries(pellucid_${name} INTERFACE
-      ${PELLUCID_PLAIN_ARCHIVES}/libpellucid_${name}.a ${ROOM_USES} ${ROOM_PRIVATE_USES})
+    target_link_libraries(pellucid_${name} INTERFACE ${ROOM_USES} ${ROOM_PRIVATE_USES})
     return()
   endif()
   add_library(pellucid_${name} STATIC ${ROOM_SOURCES})

@@ -39,13 +39,13 @@ class NearestRounds final : public Technique {
 
   void allocate(Frame& frame) override {
     const std::uint64_t allowed = places(frame);
-    const PoolShares shares = overflow_ == Overflow::nearest
-                                  ? divide_once(frame.counts, allowed)
-                                  : divide_for_rounds(frame.counts, allowed, most_places(frame));
+    const PoolShares shares = loses()          ? divide_once(frame.counts, allowed)
+                              : given_k(frame) ? shares_of_k(frame.counts, frame.options.k)
+                                               : divide_for_rounds(frame.counts, allowed, kMostPlaces);
     const std::uint64_t needed = shares.firsts.back();
     window_ = static_cast<std::uint32_t>(std::min(allowed, needed));
     windows_ = window_ == 0 ? 1 : static_cast<std::uint32_t>((needed + window_ - 1) / window_);
-    rounds_of_window_ = overflow_ == Overflow::nearest ? 1 : std::max(shares.rounds, 1U);
+    rounds_of_window_ = loses() ? 1 : std::max(shares.rounds, 1U);
     keys_ = frame.make_buffer("fragment keys", 8 * std::uint64_t{window_});
     colors_ = frame.make_buffer("fragment colours", 4 * std::uint64_t{window_});
     last_ = frame.make_buffer("last keys", 8 * frame.pixels());
@@ -87,13 +87,13 @@ class NearestRounds final : public Technique {
 
  private:
   [[nodiscard]] bool loses() const { return overflow_ == Overflow::nearest; }
-  [[nodiscard]] std::uint32_t most_places(const Frame& frame) const {
-    return budget_ == Budget::options && frame.options.memory == 0 ? frame.options.k : kMostPlaces;
+  [[nodiscard]] bool given_k(const Frame& frame) const {
+    return budget_ == Budget::options && frame.options.memory == 0;
   }
   // Of the pool.
   [[nodiscard]] std::uint64_t places(const Frame& frame) const {
     if (budget_ == Budget::pool) return frame.options.pool;
-    if (frame.options.memory == 0) return frame.options.k * frame.pixels();
+    if (given_k(frame)) return frame.options.k * frame.pixels();
     const std::uint64_t fixed = kPixelBytes * frame.pixels() + 4;
     return frame.options.memory > fixed ? (frame.options.memory - fixed) / kPlaceBytes : 0;
   }

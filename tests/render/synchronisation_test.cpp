@@ -3,16 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 
 #include "render/frame.h"
 #include "render_helpers.h"
 
 namespace pellucid {
-namespace {
+namespace testing {
 
-constexpr std::uint32_t kReplayKeys[] =
-#include "replay_keys.inc"
-    ;
+// SPIR-V of replay_keys.comp, in a source that the build makes.
+std::span<const std::uint32_t> replay_keys_code();
+
+}  // namespace testing
+
+namespace {
 
 class Synchronisation : public ::testing::Test {
  protected:
@@ -136,7 +140,7 @@ TEST_F(Synchronisation, ChainOfMinimaUnderContention) {
   const render::Buffer given = render::make_filled(context, "list", list);
   const render::Buffer pixel_of = render::make_filled(context, "pixels", pixels);
   const render::OwnedPipeline pipeline =
-      render::make_compute_pipeline(context, std::span<const std::uint32_t>(kReplayKeys), {0, kSlotsOfPixel});
+      render::make_compute_pipeline(context, testing::replay_keys_code(), {0, kSlotsOfPixel});
   context.submit([&](VkCommandBuffer commands) {
     render::Recorder recorder(context, commands, unused, VK_NULL_HANDLE);
     recorder.bind(render::Slot::a, keys);

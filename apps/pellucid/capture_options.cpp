@@ -24,11 +24,7 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::Range(1, 64))
       ->type_name("N")
       ->capture_default_str();
-  add_choice(command, "--sync", options.sync,
-             {{"automatic", Sync::automatic},
-              {"atomics", Sync::atomics},
-              {"ordered", Sync::ordered},
-              {"interlock", Sync::interlock}},
+  add_choice(command, "--sync", options.sync, sync_names(),
              "How kb keeps fragments of a pixel apart (default automatic; see pellucid techniques)");
   command
       .add_option("--pool", options.pool,
@@ -55,6 +51,13 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
   command.add_option("--device", picture.device.device, "Vulkan device, by a part of its name")
       ->type_name("NAME");
   command.add_flag("--validate", picture.device.validate, "Draw under Vulkan's validation layers");
+}
+
+std::vector<std::pair<std::string, Sync>> sync_names() {
+  return {{"automatic", Sync::automatic},
+          {"ordered", Sync::ordered},
+          {"interlock", Sync::interlock},
+          {"atomics", Sync::atomics}};
 }
 
 TechniqueInfo cpu_technique() {

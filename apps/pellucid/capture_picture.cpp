@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "capture_options.h"
 #include "file_camera.h"
 #include "pellucid/report.h"
 #include "pose.h"
@@ -48,6 +49,12 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
 }
 
+nlohmann::ordered_json sync_json(Sync chosen) {
+  if (chosen == Sync::automatic) return nullptr;
+  const auto names = sync_names();
+  return std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.second == chosen; })->first;
+}
+
 nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
   return {{"fragments", stats.fragments},
           {"captured", stats.captured},
@@ -59,6 +66,7 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"coplanar_pixels", stats.coplanar_pixels},
           {"covered_pixels", stats.covered_pixels},
           {"deepest_pixel", stats.deepest_pixel},
+          {"sync", sync_json(stats.sync)},
           {"rounds", stats.rounds},
           {"passes", stats.geometry_passes},
           {"fullscreen_passes", stats.fullscreen_passes},

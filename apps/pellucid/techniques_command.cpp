@@ -32,12 +32,15 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"msaa", t.multisampled ? nlohmann::ordered_json{1, 4} : nlohmann::ordered_json{1}}};
 }
 
-// Names of RenderOptions::sync that the device has, the fastest first.
-std::vector<std::string> sync_names(const DeviceInfo& device) {
+// Ways of --sync that the device has.
+std::vector<std::string> ways_to_synchronise(const DeviceInfo& device) {
   std::vector<std::string> names;
-  if (device.ordered_attachments > 0) names.emplace_back("ordered");
-  if (device.interlock) names.emplace_back("interlock");
-  if (device.atomics64) names.emplace_back("atomics");
+  for (const auto& [name, sync] : sync_names()) {
+    const bool there = sync == Sync::ordered     ? device.ordered_attachments > 0
+                       : sync == Sync::interlock ? device.interlock
+                                                 : sync == Sync::atomics && device.atomics64;
+    if (there) names.push_back(name);
+  }
   return names;
 }
 
@@ -55,7 +58,7 @@ std::optional<DeviceInfo> find_device(const DeviceOptions& options, const Sessio
 void list_techniques(const DeviceOptions& options, Session& session) {
   const std::optional<DeviceInfo> device = find_device(options, session);
   std::string text = device ? fmt::format("on {} ({}), which synchronises by {}\n", device->name,
-                                          device->driver, fmt::join(sync_names(*device), ", "))
+                                          device->driver, fmt::join(ways_to_synchronise(*device), ", "))
                             : "";
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const auto add = [&](const TechniqueInfo& t, const std::string& missing) {
@@ -72,11 +75,12 @@ void list_techniques(const DeviceOptions& options, Session& session) {
       "N fragments of the pixel, D depth layers, C fragments of a layer, K from --k; exact: all of them, "
       "coplanar ones too\n";
   session.print(text);
-  const nlohmann::ordered_json json = {{"schema", 1},
-                                       {"version", library_version()},
-                                       {"device", device ? device->name : "cpu"},
-                                       {"sync", device ? sync_names(*device) : std::vector<std::string>{}},
-                                       {"techniques", list}};
+  const nlohmann::ordered_json json = {
+      {"schema", 1},
+      {"version", library_version()},
+      {"device", device ? device->name : "cpu"},
+      {"sync", device ? ways_to_synchronise(*device) : std::vector<std::string>{}},
+      {"techniques", list}};
   session.write_json(json.dump(2) + "\n");
 }
 

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "pellucid/base.h"
+#include "pellucid/budget.h"
 #include "pellucid/mesh.h"
 #include "pellucid/raster.h"
 
@@ -156,6 +157,8 @@ struct TechniqueInfo {
   bool synchronised = false;   // RenderOptions::sync; else atomics, where they are needed
   bool pooled = false;         // RenderOptions::overflow
   bool budgeted = false;       // RenderOptions::memory
+  // What does not fit is averaged behind what is kept: for transparency and wireframe.
+  bool keeps_tail = false;
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
   bool needs_atomics64 = false, needs_layered = false;
 };
@@ -180,9 +183,13 @@ struct RenderOptions {
   // `overflow`.
   std::uint64_t pool = 0;
   Overflow overflow = Overflow::nearest;
-  // Bytes of buffers of techniques that keep to a budget; 0: as many as they need. Pictures are cut into
-  // bands where the budget is too small for what is kept of every pixel.
+  // Bytes of buffers of techniques that keep to a budget. 0: `multikb` takes as many as it needs, those with a
+  // tail 32 a pixel (pellucid/budget.h). `multikb` cuts pictures into bands where that is too little for what
+  // is kept of every pixel; those with a tail keep to it in each band.
   std::uint64_t memory = 0;
+  Allocation allocation = Allocation::water;  // of `variable-k`, and what it goes by
+  ImportanceOptions importance{};
+  bool maps = false;  // RenderResult::maps, of techniques with a budget
   // Sort with an insertion sort of a local array, as is common: to measure against.
   bool plain_resolve = false;
   // Techniques that peel with the depth test or from both ends: do not draw again what is peeled completely.
@@ -205,7 +212,10 @@ struct CaptureStats {
   bool pool_exceeded = false;  // RenderOptions::overflow decided what became of them
   std::uint64_t coplanar = 0;  // captured ones at the depth of another one of their pixel
   std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
-  std::uint64_t deepest_pixel = 0;      // most fragments of a pixel
+  std::uint64_t deepest_pixel = 0;  // most fragments of a pixel
+  // Slots for fragments of a covered pixel, of techniques with a budget: least, most, sum.
+  std::optional<std::uint32_t> k_least, k_most;
+  std::uint64_t k_sum = 0;
   Sync sync = Sync::automatic;          // what was chosen; automatic: the technique has no choice
   std::uint32_t rounds = 0;             // of techniques that peel
   std::uint32_t geometry_passes = 0;    // how often all triangles were drawn
@@ -230,6 +240,7 @@ struct RenderResult {
   std::vector<Vec3f> pixels;  // linear colour, row by row from the upper left
   CaptureStats stats;
   CapturedFragments fragments;
+  BudgetMaps maps;  // with RenderOptions::maps
 };
 
 struct OverdrawCount {

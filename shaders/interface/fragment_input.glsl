@@ -95,21 +95,34 @@ bool discard_unseen() {
 }
 bool is_seen = discard_unseen();
 
+vec3 direction_to_eye() {
+  return frame.eye.w != 0.0 ? normalize(frame.eye.xyz - world_position) : frame.to_viewer.xyz;
+}
+
+// Unit normal on the side that is seen.
+vec3 seen_normal(vec3 to_eye) {
+  const vec3 face = dot(lit_face, to_eye) < 0.0 ? -lit_face : lit_face;
+  const vec3 normal = dot(world_normal, world_normal) > 0.0 ? world_normal : face;
+  return normalize(dot(normal, face) < 0.0 ? -normal : normal);
+}
+
+// Of a sheet of opacity `alpha`, which light crosses the farther the more it is inclined.
+float seen_opacity(Surface surface, float alpha, float facing) {
+  const bool translucent = surface.is_opaque == 0u && alpha < 1.0;
+  return translucent ? 1.0 - exp2(log2(1.0 - alpha) / max(facing, 0.2)) : 1.0;
+}
+
 vec4 lit_color() {
   const Surface surface = surface_here();
   const vec4 base = base_color(surface);
-  const vec3 to_eye = frame.eye.w != 0.0 ? normalize(frame.eye.xyz - world_position) : frame.to_viewer.xyz;
-  const vec3 face = dot(lit_face, to_eye) < 0.0 ? -lit_face : lit_face;
-  vec3 normal = dot(world_normal, world_normal) > 0.0 ? world_normal : face;
-  normal = normalize(dot(normal, face) < 0.0 ? -normal : normal);
+  const vec3 to_eye = direction_to_eye();
+  const vec3 normal = seen_normal(to_eye);
   const float facing = clamp(dot(normal, to_eye), 0.0, 1.0);
   const float fill = max(dot(normal, frame.fill_light.xyz), 0.0);
   const float highlight = max(dot(normal, normalize(frame.fill_light.xyz + to_eye)), 0.0);
   const float gloss = 0.35 * to_the_48th(highlight);
   const vec3 color = base.rgb * (0.2 + 0.62 * facing + 0.45 * fill) + vec3(gloss);
-  const bool translucent = surface.is_opaque == 0u && base.a < 1.0;
-  const float transmitted = translucent ? exp2(log2(1.0 - base.a) / max(facing, 0.2)) : 0.0;
-  return vec4(color, 1.0 - transmitted);
+  return vec4(color, seen_opacity(surface, base.a, facing));
 }
 
 const uint kWireframe = 1u;

@@ -60,6 +60,7 @@ struct Frame {
   std::uint32_t first_row = 0, picture_height = 0;  // where it lies
   std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
   std::span<const std::uint32_t> counts{};          // of every pixel
+  std::uint64_t covered = 0;                        // pixels with fragments
   Buffer counters;
   std::uint64_t technique_bytes = 0;
 

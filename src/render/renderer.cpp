@@ -189,6 +189,8 @@ std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, rende
   frame.fragments = std::accumulate(values.begin(), values.end(), std::uint64_t{0});
   frame.deepest = *std::max_element(values.begin(), values.end());
   frame.counts = values;
+  frame.covered = static_cast<std::uint64_t>(
+      std::count_if(values.begin(), values.end(), [](std::uint32_t n) { return n > 0; }));
   return values;
 }
 
@@ -299,8 +301,8 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   if (job.technique.info.blends_only && job.technique.info.exact) stats.repaired_pixels += counters.covered;
   stats.overflowed += counters.overflowed;
   stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
-  stats.covered_pixels += static_cast<std::uint64_t>(
-      std::count_if(counts.begin(), counts.end(), [](std::uint32_t n) { return n > 0; }));
+  stats.covered_pixels += frame.covered;
+  technique.report(frame, counts, result);
   if (job.effect == render::kDumpEffect) {
     read_fragments(frame, offsets, result);
   } else {
@@ -497,13 +499,14 @@ void check_technique(const TechniqueInfo& technique, const RenderOptions& option
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--cull needs conditional rendering, which {} has not", device.name));
   }
-  if (!technique.blends_only) return;
+  if (!technique.blends_only && !technique.keeps_tail) return;
   if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
     throw Error(ErrorKind::bad_argument,
-                fmt::format("--technique {} blends while it draws: --effect transparency or wireframe only",
+                fmt::format("--technique {} blends what it does not keep: --effect transparency or "
+                            "wireframe only",
                             technique.name));
   }
-  if (options.keep_fragments) {
+  if (technique.blends_only && options.keep_fragments) {
     throw Error(
         ErrorKind::bad_argument,
         fmt::format("--technique {} blends while it draws: it has no fragments to keep", technique.name));

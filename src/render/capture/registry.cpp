@@ -1,5 +1,6 @@
 // The list of capture techniques: a new one is a file beside this and a line here.
 #include "blending_techniques.h"
+#include "budget_techniques.h"
 #include "buffer_techniques.h"
 #include "peeling_techniques.h"
 
@@ -28,6 +29,9 @@ const std::vector<TechniqueEntry>& technique_entries() {
       fixed_arrays(),
       linked_lists(),
       s_buffer(),
+      fixed_k(),
+      k_plus(),
+      variable_k(),
       plain_blend(),
       verified_blend(),
   };

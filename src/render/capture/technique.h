@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "../frame.h"
@@ -36,6 +37,9 @@ class Technique {
   // Those with TechniqueInfo::can_cull: the shader that says, after a round, whether a box can have fragments
   // left; what the round bound stays bound (culling.h).
   [[nodiscard]] virtual std::string_view box_shader() const { return ""; }
+  // What only the technique knows of the picture, once it is drawn; `counts`: fragments of every pixel.
+  virtual void report(const Frame& /*frame*/, std::span<const std::uint32_t> /*counts*/,
+                      RenderResult& /*result*/) {}
   // After the last round of those that peel.
   virtual void finish(Frame& /*frame*/, Recorder& /*recorder*/) {}
 };

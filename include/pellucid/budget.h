@@ -1,0 +1,62 @@
+// pellucid/budget.h - room `render`: what capture techniques with a budget of bytes do with it.
+//
+// `fixed-k`, `k-plus` and `variable-k` keep the nearest fragments of every pixel in RenderOptions::memory
+// bytes, all their buffers included, and fold what found no place into one translucent layer behind them, the
+// tail. A slot is 8 bytes: a fragment, or a tail. Paper: Vasilakis, Vardis, Papaioannou, Moustakas, "Variable
+// k-buffer using Importance Maps", Eurographics 2017.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pellucid {
+
+// How variable-k gives out M slots to pixels of importance I and N fragments.
+enum class Allocation {
+  water,  // min(N, max(1, floor(l I))), with the level l at which they use up M, and what is left over one by
+          // one
+  printed  // floor(I / sum of I * M), equation 1 of the paper, of what a tail for every pixel leaves; may be
+           // more than N, and 0
+};
+
+// Terms of importance, to be combined; the importance is their product.
+enum class ImportanceTerm : std::uint32_t {
+  opacity = 1,     // fragments by the sum of their optical depths: how many it takes to hide what is behind
+  complexity = 2,  // equation 3
+  periphery = 4,   // equation 4
+  fresnel = 8,     // equation 5, of the nearest fragment of this frame
+  image = 16,      // ImportanceOptions::image
+  residue =
+      32  // what the last frame of this size left to the tail; without one, a frame is drawn for it first
+};
+struct NamedImportanceTerm {
+  ImportanceTerm term;
+  std::string name, description;
+};
+std::span<const NamedImportanceTerm> importance_terms();
+
+struct ImportanceImage {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> bytes;  // row by row from the upper left; 255: 1
+};
+
+struct ImportanceOptions {
+  std::vector<ImportanceTerm> terms{ImportanceTerm::opacity};  // none: all pixels alike
+  double alpha = 0.375, limit = 25;  // of `complexity`: importance of few fragments, number at which it is 1
+  double focus_x = 0.5, focus_y = 0.5;  // of `periphery`: point of interest, 0..1 from the upper left
+  double falloff = 3;                   // of `periphery`
+  double noise = 0;                     // is added, centred: 0.1 in the paper
+  ImportanceImage image;
+};
+
+// For each pixel, or, pixel by pixel, for each sample. Where not every pixel has a place of its own, k is 0.
+struct BudgetMaps {
+  std::vector<float> importance;
+  std::vector<std::uint32_t> k;     // fragments that have a slot
+  std::vector<std::uint32_t> lost;  // to the tail
+};
+
+}  // namespace pellucid

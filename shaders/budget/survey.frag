@@ -1,0 +1,23 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/fragment_input.glsl"
+#include "survey.glsl"
+#include "tail.glsl"
+// The count pass. kVariant: terms of importance; it shades no more than they ask for.
+void main() {
+  const uint pixel = fragment_pixel();
+  atomicAdd(survey[pixel], 1u);
+  if (!has_term(kDepthSurvey) && !has_term(kFresnelTerm)) return;
+  const vec3 to_eye = direction_to_eye();
+  const float facing = clamp(dot(seen_normal(to_eye), to_eye), 0.0, 1.0);
+  if (has_term(kDepthSurvey)) {
+    const Surface surface = surface_here();
+    const float alpha = seen_opacity(surface, base_color(surface).a, facing);
+    atomicAdd(survey[depth_word(pixel)], uint(kDepthUnits * rounded_depth(alpha) + 0.5));
+  }
+  // Depth to 24 of its 30 bits, then how much the surface faces the eye; the least is kept, as its complement, since
+  // the survey begins with zeros.
+  if (has_term(kFresnelTerm))
+    atomicMax(survey[nearest_word(pixel)], ~(floatBitsToUint(gl_FragCoord.z) >> 6 << 8 | uint(255.0 * facing + 0.5)));
+}

@@ -1,0 +1,60 @@
+// What fits into a budget of bytes: see plan.h.
+#include "plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pellucid/base.h"
+
+namespace pellucid::render {
+namespace {
+
+constexpr std::uint64_t kTailBytes = 16;  // of a block
+constexpr std::uint64_t kLeastBuffer = 16;
+
+std::uint64_t tail_bytes(const BudgetDemand& demand, std::uint64_t side) {
+  return kTailBytes * ((demand.width + side - 1) / side) * ((demand.height + side - 1) / side);
+}
+
+}  // namespace
+
+std::uint64_t uniform_slots(const BudgetDemand& demand) {
+  const std::uint64_t bytes = std::min(demand.bytes, demand.most_buffer_bytes);
+  const std::uint64_t needed = std::max<std::uint64_t>(demand.deepest, 1) + 1;  // the last is for the tail
+  const std::uint64_t most = std::min(bytes, kSlotBytes * kMostSlots);
+  const std::uint64_t slots = std::min(most / (kSlotBytes * demand.pixels()), needed);
+  return slots * kSlotBytes * demand.pixels() < kLeastBuffer ? 0 : slots;
+}
+
+MappedPlan plan_mapped(const BudgetDemand& demand, std::uint64_t survey_words, std::uint64_t other_bytes) {
+  MappedPlan plan;
+  const std::uint64_t pixels = demand.pixels();
+  plan.map_bytes = std::max(4 * (pixels + 1), kLeastBuffer);
+  plan.state_bytes = kBudgetHead + 8 * ((pixels + kGroupPixels - 1) / kGroupPixels);
+  const std::uint64_t taken = plan.map_bytes + plan.state_bytes + other_bytes;
+  const std::uint64_t room = std::min(demand.bytes - std::min(demand.bytes, taken), demand.most_buffer_bytes);
+  const std::uint64_t slots = std::min({room / kSlotBytes, demand.fragments, kMostSlots});
+  plan.pool_bytes = std::max({kSlotBytes * slots, 4 * survey_words * pixels, kLeastBuffer});
+  if (slots >= demand.covered && plan.pool_bytes <= room) plan.slots = slots;
+  return plan;
+}
+
+BlockPlan plan_blocks(const BudgetDemand& demand) {
+  if (demand.bytes < kTailBytes) {
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--memory: {} bytes are not even one tail, which takes {}", demand.bytes, kTailBytes));
+  }
+  BlockPlan plan;
+  const std::uint64_t mask = std::max((demand.pixels() + 31) / 32 * 4, kLeastBuffer);
+  if (mask + kTailBytes <= demand.bytes) plan.mask_bytes = mask;
+  const std::uint64_t room = std::min(demand.bytes - plan.mask_bytes, demand.most_buffer_bytes);
+  while (tail_bytes(demand, plan.side) > room) plan.side *= 2;
+  plan.tail_bytes = tail_bytes(demand, plan.side);
+  const std::uint64_t block_pixels = std::uint64_t{plan.side} * plan.side;
+  plan.most_fragments = std::min(demand.fragments, demand.deepest * block_pixels);
+  return plan;
+}
+
+}  // namespace pellucid::render

@@ -1,0 +1,12 @@
+// budget_techniques.h - techniques that keep within a number of bytes.
+#pragma once
+
+#include "technique.h"
+
+namespace pellucid::render {
+
+TechniqueEntry fixed_k();
+TechniqueEntry k_plus();
+TechniqueEntry variable_k();
+
+}  // namespace pellucid::render

@@ -1,0 +1,281 @@
+// Techniques with a budget of bytes: who keeps what, against the CPU raster.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "render_helpers.h"
+
+namespace pellucid {
+namespace {
+
+constexpr std::uint32_t kSide = 48;
+
+struct Drawn {
+  FragmentBuffer oracle;
+  RenderResult result;
+
+  [[nodiscard]] std::size_t pixels() const { return oracle.offsets.size() - 1; }
+  [[nodiscard]] std::uint64_t n(std::size_t p) const { return oracle.pixel(p).size(); }
+  // Slots that a pixel takes: fragments, and a tail where they are not all.
+  [[nodiscard]] std::uint64_t used(std::size_t p) const {
+    return result.maps.k[p] + (result.maps.k[p] < n(p) ? 1U : 0U);
+  }
+  [[nodiscard]] std::uint64_t used() const {
+    std::uint64_t sum = 0;
+    for (std::size_t p = 0; p < pixels(); ++p) sum += used(p);
+    return sum;
+  }
+};
+
+// Slots that are left of a budget beside the map and what all share.
+std::uint64_t slots_of(std::uint64_t memory) {
+  const std::uint64_t pixels = kSide * kSide;
+  return (memory - 4 * (pixels + 1) - 1088 - 8 * ((pixels + 1023) / 1024)) / 8;
+}
+
+class Budget : public ::testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    if (!testing::test_renderer().info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
+    options_.technique = GetParam();
+    options_.maps = true;
+    options_.keep_fragments = true;
+  }
+  void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
+
+  Drawn draw(std::uint64_t memory) { return draw(testing::random_stack(41, 220), memory); }
+  Drawn draw(const RenderScene& scene, std::uint64_t memory) {
+    options_.memory = memory;
+    const Camera camera = testing::unit_camera(kSide, kSide);
+    testing::test_renderer().load(scene);
+    return {testing::cpu_fragments(scene, camera), testing::test_renderer().draw(camera, options_)};
+  }
+  static void expect_nearest(const Drawn& drawn) {
+    std::uint64_t kept = 0;
+    std::size_t wrong = 0;
+    for (std::size_t p = 0; p < drawn.pixels(); ++p) {
+      const auto all = drawn.oracle.pixel(p);
+      const auto nearest = all.first(std::min<std::size_t>(all.size(), drawn.result.maps.k[p]));
+      const auto captured = testing::pixel_of(drawn.result.fragments, p);
+      const bool same = std::equal(
+          captured.begin(), captured.end(), nearest.begin(), nearest.end(),
+          [](const Fragment& a, const Fragment& b) { return a.depth == b.depth && a.node == b.node; });
+      wrong += same ? 0U : 1U;
+      kept += nearest.size();
+      EXPECT_EQ(drawn.result.maps.lost[p], all.size() - nearest.size());
+    }
+    EXPECT_EQ(wrong, 0U);
+    EXPECT_EQ(drawn.result.stats.captured, kept);
+  }
+  static void expect_no_holes(const Drawn& drawn) {
+    std::size_t holes = 0;
+    for (std::size_t p = 0; p < drawn.pixels(); ++p)
+      if (drawn.n(p) > 0 && drawn.result.pixels[p] == Vec3f{1, 1, 1}) ++holes;
+    EXPECT_EQ(holes, 0U);
+  }
+
+  RenderOptions options_;
+};
+
+TEST_P(Budget, KeepsTheNearestOfEveryPixel) {
+  for (const std::uint64_t bytes_of_a_pixel : {20U, 36U, 60U}) {
+    const Drawn drawn = draw(bytes_of_a_pixel * kSide * kSide);
+    expect_nearest(drawn);
+    EXPECT_LT(drawn.result.stats.captured, drawn.oracle.fragments.size());
+    EXPECT_LE(drawn.result.stats.bytes, bytes_of_a_pixel * kSide * kSide);
+    EXPECT_GT(drawn.result.stats.captured, 0U);
+  }
+}
+
+TEST_P(Budget, MoreBytesNeverLoseMore) {
+  std::uint64_t kept = 0;
+  for (std::uint64_t memory = 12; memory < 4'000'000; memory = memory * 3 / 2 + 8) {
+    if (memory < 16) continue;
+    const Drawn drawn = draw(memory);
+    EXPECT_LE(drawn.result.stats.bytes, memory);
+    EXPECT_GE(drawn.result.stats.captured, kept) << memory;
+    kept = drawn.result.stats.captured;
+    expect_no_holes(drawn);
+  }
+  EXPECT_EQ(kept, draw(16).oracle.fragments.size());
+}
+
+// Fixed point and the sequence of blending are all that may differ.
+TEST_P(Budget, EnoughBytesGiveTheExactPicture) {
+  const Drawn drawn = draw(4'000'000);
+  RenderOptions exact;
+  exact.plain_resolve = true;
+  const RenderResult expected = testing::test_renderer().draw(testing::unit_camera(kSide, kSide), exact);
+  float largest = 0;
+  for (std::size_t p = 0; p < expected.pixels.size(); ++p)
+    largest = std::max(largest, testing::difference(expected.pixels[p], drawn.result.pixels[p]));
+  EXPECT_LE(largest, 1e-5F + 2.0F / 16384);
+  EXPECT_EQ(drawn.result.stats.captured_share(), 1.0);
+}
+
+// Where all surfaces look alike their sequence does not matter, so a tail of them is exact.
+TEST_P(Budget, TailsHaveTheRightTransmittance) {
+  RenderScene scene = testing::random_stack(42, 220);
+  for (Surface& surface : scene.surfaces) surface = {.color = {0.3F, 0.6F, 0.1F}, .alpha = 0.15F};
+  testing::test_renderer().load(scene);
+  const Camera camera = testing::unit_camera(kSide, kSide);
+  const RenderResult expected = testing::test_renderer().draw(camera, {.plain_resolve = true});
+  for (const std::uint64_t bytes_of_a_pixel : {14U, 30U}) {
+    const Drawn drawn = draw(scene, bytes_of_a_pixel * kSide * kSide);
+    ASSERT_LT(drawn.result.stats.captured, drawn.result.stats.fragments);
+    float largest = 0;
+    for (std::size_t p = 0; p < expected.pixels.size(); ++p)
+      largest = std::max(largest, testing::difference(expected.pixels[p], drawn.result.pixels[p]));
+    // Without a survey the range of the sums is that of the most fragments that there may be.
+    EXPECT_LT(largest, GetParam() == "fixed-k" ? 0.06F : 0.005F) << bytes_of_a_pixel;
+  }
+}
+
+TEST_P(Budget, SequenceOfDrawingDoesNotMatter) {
+  RenderScene scene = testing::random_stack(43, 90);
+  for (const std::uint64_t memory : {100U, 3000U, 30U * kSide * kSide}) {
+    scene.sequence.clear();
+    const Drawn straight = draw(scene, memory);
+    for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
+      scene.sequence.insert(scene.sequence.begin(), i);
+    const Drawn reversed = draw(scene, memory);
+    EXPECT_EQ(straight.result.pixels, reversed.result.pixels) << memory;
+    EXPECT_EQ(straight.result.maps.k, reversed.result.maps.k) << memory;
+  }
+}
+
+TEST_P(Budget, CoplanarFragmentsKeepTheirColors) {
+  const RenderScene scene =
+      testing::joined(testing::coplanar_squares(9, 0.25F), testing::coplanar_squares(9, 0.5F));
+  const Drawn drawn = draw(scene, 8U * 19 * kSide * kSide + 20'000);
+  expect_nearest(drawn);
+  const RenderResult expected =
+      testing::test_renderer().draw(testing::unit_camera(kSide, kSide), {.plain_resolve = true});
+  for (std::size_t p = 0; p < expected.pixels.size(); ++p)
+    EXPECT_LE(testing::difference(expected.pixels[p], drawn.result.pixels[p]), 1e-5F + 2.0F / 16384);
+}
+
+TEST_P(Budget, LessThanATailIsAnError) {
+  testing::test_renderer().load(testing::coplanar_squares(1, 0.5F));
+  options_.memory = 15;
+  EXPECT_THROW(testing::test_renderer().draw(testing::unit_camera(8, 8), options_), Error);
+}
+
+TEST_P(Budget, EffectsThatDoNotBlendAreRefused) {
+  testing::test_renderer().load(testing::coplanar_squares(1, 0.5F));
+  options_.effect = Effect::csg;
+  EXPECT_THROW(testing::test_renderer().draw(testing::unit_camera(8, 8), options_), Error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Techniques, Budget, ::testing::Values("fixed-k", "k-plus", "variable-k"),
+                         testing::technique_test_name);
+
+// -------------------------------------------------------------------------------------- how slots are given
+// out
+
+class GivenOut : public Budget {};
+
+TEST_P(GivenOut, FixedKIsTheLargestThatFits) {
+  options_.technique = "fixed-k";
+  for (const std::uint64_t k : {1U, 3U, 5U}) {
+    const std::uint64_t memory = 8 * (k + 1) * kSide * kSide;
+    EXPECT_EQ(draw(memory).result.stats.k_most, k);
+    EXPECT_EQ(draw(memory).result.stats.k_least, k);
+    EXPECT_EQ(draw(memory + 8 * kSide * kSide - 1).result.stats.k_most, k);
+  }
+}
+
+TEST_P(GivenOut, KPlusIsTheLargestThatFits) {
+  options_.technique = "k-plus";
+  for (const std::uint64_t bytes_of_a_pixel : {20U, 30U, 50U}) {
+    const std::uint64_t memory = bytes_of_a_pixel * kSide * kSide;
+    const Drawn drawn = draw(memory);
+    const auto sum_with = [&](std::uint64_t most) {
+      std::uint64_t sum = 0;
+      for (std::size_t p = 0; p < drawn.pixels(); ++p) sum += std::min(drawn.n(p), most);
+      return sum;
+    };
+    std::uint64_t most = 1;
+    while (most < 200 && sum_with(most + 1) <= slots_of(memory)) ++most;
+    for (std::size_t p = 0; p < drawn.pixels(); ++p) EXPECT_EQ(drawn.used(p), std::min(drawn.n(p), most));
+  }
+}
+
+TEST_P(GivenOut, WaterUsesEverySlot) {
+  for (const std::vector<ImportanceTerm>& terms :
+       {std::vector<ImportanceTerm>{}, {ImportanceTerm::opacity}, {ImportanceTerm::complexity}}) {
+    options_.importance.terms = terms;
+    for (const std::uint64_t bytes_of_a_pixel : {20U, 25U, 45U}) {
+      const std::uint64_t memory = bytes_of_a_pixel * kSide * kSide;
+      const Drawn drawn = draw(memory);
+      EXPECT_EQ(drawn.used(), std::min<std::uint64_t>(slots_of(memory), drawn.oracle.fragments.size()));
+      // A level that explains all of them.
+      double at_least = 0;
+      double below = 1e30;
+      for (std::size_t p = 0; p < drawn.pixels(); ++p) {
+        if (drawn.n(p) == 0) continue;
+        const auto slots = static_cast<double>(drawn.used(p));
+        const double importance = double{drawn.result.maps.importance[p]};
+        ASSERT_GE(slots, 1);
+        if (slots > 1) at_least = std::max(at_least, (slots - 1) / importance);
+        if (drawn.used(p) < drawn.n(p)) below = std::min(below, (slots + 1) / importance);
+      }
+      EXPECT_LT(at_least, below * (1 + 1e-6));
+    }
+  }
+}
+
+TEST_P(GivenOut, PrintedIsTheFormulaOfThePaper) {
+  options_.allocation = Allocation::printed;
+  options_.importance.terms = {ImportanceTerm::complexity, ImportanceTerm::periphery};
+  const std::uint64_t memory = 100U * kSide * kSide;
+  const Drawn drawn = draw(memory);
+  double sum = 0;
+  for (const float importance : drawn.result.maps.importance) sum += std::floor(65536.0 * double{importance});
+  const double slots = static_cast<double>(slots_of(memory) - drawn.oracle.covered_pixels());
+  std::size_t wasted = 0;
+  for (std::size_t p = 0; p < drawn.pixels(); ++p) {
+    const double share = std::floor(65536.0 * double{drawn.result.maps.importance[p]}) / sum;
+    EXPECT_NEAR(drawn.result.maps.k[p], std::floor(share * slots), 1e-9);
+    wasted += drawn.n(p) > 0 && drawn.result.maps.k[p] > drawn.n(p) ? 1U : 0U;
+  }
+  EXPECT_GT(wasted, 0U);
+  expect_nearest(drawn);
+  expect_no_holes(drawn);
+}
+
+TEST_P(GivenOut, TermsOfImportance) {
+  const std::uint64_t memory = 60U * kSide * kSide;
+  const auto importance_by = [&](const std::vector<ImportanceTerm>& terms) {
+    options_.importance.terms = terms;
+    return draw(memory);
+  };
+  const double alpha = options_.importance.alpha;
+  const Drawn complexity = importance_by({ImportanceTerm::complexity});
+  options_.importance.focus_x = 0.25;
+  options_.importance.focus_y = 1.5;
+  const Drawn both = importance_by({ImportanceTerm::complexity, ImportanceTerm::periphery});
+  const Drawn face_on = importance_by({ImportanceTerm::fresnel});
+  options_.importance.image = {2, 1, {51, 255}};
+  const Drawn image = importance_by({ImportanceTerm::image});
+  for (std::size_t p = 0; p < complexity.pixels(); ++p) {
+    const auto n = static_cast<double>(complexity.n(p));
+    const double by_number = n == 0 ? 0 : alpha + (1 - alpha) * std::min(1.0, n / 25);
+    EXPECT_NEAR(complexity.result.maps.importance[p], by_number, 1e-5);
+    const double dx = static_cast<double>(p % kSide) + 0.5 - 0.25 * kSide;
+    const double dy = static_cast<double>(p / kSide) + 0.5 - 1.5 * kSide;
+    const double away = 2 * std::hypot(dx, dy) / (1.1 * std::hypot(kSide, kSide));
+    const double by_place = std::max(1 - std::pow(away, 3), 0.0);
+    const double product = n == 0 ? 0 : std::max(by_number * by_place, 1.0 / 1024);
+    EXPECT_NEAR(both.result.maps.importance[p], product, 1e-4);
+    EXPECT_NEAR(face_on.result.maps.importance[p], n == 0 ? 0 : 1, 1e-5);
+    EXPECT_NEAR(image.result.maps.importance[p], n == 0 ? 0 : p % kSide < kSide / 2 ? 0.2 : 1, 1e-5);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(VariableK, GivenOut, ::testing::Values("variable-k"), testing::technique_test_name);
+
+}  // namespace
+}  // namespace pellucid

@@ -12,6 +12,7 @@ set(PELLUCID_SHADERS
   "budget/keys.frag|budget/keys.frag|"
   "budget/colors.frag|budget/colors.frag|"
   "budget/resolve.comp|budget/resolve.comp|"
+  "budget/resolve_measure.comp|budget/resolve.comp|MEASURE"
   "budget/blocks.frag|budget/blocks.frag|"
   "budget/blocks.comp|budget/blocks.comp|"
   "capture/blend.frag|capture/blend.frag|"

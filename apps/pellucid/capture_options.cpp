@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "budget_options.h"
 #include "choice.h"
 
 namespace pellucid::cli {
@@ -44,6 +45,7 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::IsMember({1, 4}))
       ->type_name("N")
       ->capture_default_str();
+  add_budget_options(command, options, picture.importance_image);
   command.add_flag("--cull", options.cull,
                    "Techniques that peel: do not draw again what is peeled completely");
   command.add_flag("--plain-resolve", options.plain_resolve,

@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "budget_options.h"
 #include "capture_options.h"
 #include "file_camera.h"
+#include "pellucid/compare_report.h"
 #include "pellucid/report.h"
 #include "pose.h"
 #include "terminal_progress.h"
@@ -45,8 +47,15 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
       picture.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
       format_percent(stats.captured_share()),
       stats.overflowed > 0 ? fmt::format(", {} found no place", format_count(stats.overflowed)) : "",
-      stats.rounds > 0 ? fmt::format("{} {}, ", stats.rounds, stats.rounds == 1 ? "round" : "rounds") : "",
+      stats.rounds > 0 ? fmt::format("{} {}, ", stats.rounds, stats.rounds == 1 ? "round" : "rounds")
+      : stats.k_least  ? fmt::format("k {}, ", format_k_range(stats))
+                       : "",
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
+}
+
+template <class Value>
+nlohmann::ordered_json or_null(const std::optional<Value>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
 nlohmann::ordered_json sync_json(Sync chosen) {
@@ -64,6 +73,9 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"repaired_pixels", stats.repaired_pixels},
           {"coplanar", stats.coplanar},
           {"coplanar_pixels", stats.coplanar_pixels},
+          {"k_least", or_null(stats.k_least)},
+          {"k_most", or_null(stats.k_most)},
+          {"k_mean", or_null(stats.k_mean())},
           {"covered_pixels", stats.covered_pixels},
           {"deepest_pixel", stats.deepest_pixel},
           {"sync", sync_json(stats.sync)},
@@ -111,13 +123,13 @@ bool any_deforms(const Model& model) {
 }
 
 // Times of more frames, in which nothing is counted: their medians.
-void time_more_frames(const CapturePicture& picture, const Camera& camera, Renderer& renderer,
+void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera& camera, Renderer& renderer,
                       const Session& session, CaptureStats& stats) {
-  RenderOptions options = picture.options;
   options.statistics = false;
+  options.maps = false;
   std::vector<double> all;
   std::vector<double> resolve;
-  for (std::uint32_t frame = 1; frame < picture.frames; ++frame) {
+  for (std::uint32_t frame = 1; frame < frames; ++frame) {
     const CaptureStats times = renderer.draw(camera, options, session.progress()).stats;
     all.push_back(times.milliseconds);
     resolve.push_back(times.resolve_milliseconds);
@@ -158,7 +170,14 @@ std::vector<Shot> shots_of(const CapturePicture& picture) {
 class Stage {
  public:
   Stage(const CapturePicture& picture, const Model& model)
-      : picture_(picture), model_(model), rest_(make_scene(model)), deforms_(any_deforms(model)) {}
+      : picture_(picture),
+        model_(model),
+        rest_(make_scene(model)),
+        deforms_(any_deforms(model)),
+        options_(picture.options) {
+    options_.maps = !picture.maps.empty();
+    options_.importance.image = read_importance(picture.importance_image);
+  }
 
   // Throws as pose_scene() and make_render_scene() do.
   void set(double time) {
@@ -183,11 +202,12 @@ class Stage {
       loaded_ = loaded_ && sequence == drawn_.sequence;
       drawn_.sequence = std::move(sequence);
     }
-    if (renderer == nullptr) return draw_reference(drawn_, camera, picture_.options);
+    if (renderer == nullptr) return draw_reference(drawn_, camera, options_);
     if (!loaded_) renderer->load(drawn_);
     loaded_ = true;
-    RenderResult result = renderer->draw(camera, picture_.options, session.progress());
-    if (picture_.frames > 1) time_more_frames(picture_, camera, *renderer, session, result.stats);
+    RenderResult result = renderer->draw(camera, options_, session.progress());
+    if (picture_.frames > 1)
+      time_more_frames(picture_.frames, options_, camera, *renderer, session, result.stats);
     return result;
   }
 
@@ -200,6 +220,7 @@ class Stage {
   std::optional<double> time_;
   Moment moment_;
   bool deforms_;
+  RenderOptions options_;
   bool loaded_ = false;
 };
 
@@ -227,10 +248,12 @@ void render_capture(const CapturePicture& picture, Session& session) {
     const Camera camera = camera_from(shot.camera, model, stage.scene(), picture.width, picture.height);
     const RenderResult result = stage.draw(camera, renderer ? &*renderer : nullptr, session);
     stop_if_signalled();
-    const std::string output = picture.shots.empty()
-                                   ? picture.output
-                                   : numbered_output(picture.output, taken.size() + 1, shots.size());
+    const auto numbered = [&](const std::string& name) {
+      return picture.shots.empty() ? name : numbered_output(name, taken.size() + 1, shots.size());
+    };
+    const std::string output = numbered(picture.output);
     write_png(to_image(result), output);
+    if (!picture.maps.empty()) write_maps(result, picture.options.samples, numbered(picture.maps));
     taken.push_back({output, shot.camera, time, result.stats});
     print_result(picture, device, taken.back(), session);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "budget_options.h"
 #include "capture_options.h"
 #include "choice.h"
 #include "comparison.h"
@@ -78,6 +79,7 @@ CapturePicture picture_of(const CompareCommand& command) {
   picture.height = size.height;
   picture.camera_text = command.camera;
   picture.look.alpha = command.alpha;
+  picture.options.importance.image = read_importance(command.capture.importance_image);
   return picture;
 }
 
@@ -97,6 +99,7 @@ CompareReport new_report(const CompareCommand& command, const DeviceInfo& device
   report.surfaces = command.capture.surfaces == Surfaces::file ? "file" : "uniform";
   report.k = command.capture.options.k;
   report.frames = command.capture.frames;
+  report.memory = command.capture.options.memory;
   return report;
 }
 
@@ -110,7 +113,8 @@ void run_compare(const CompareCommand& command, Session& session) {
   const CapturePicture picture = picture_of(command);
   parse_camera(command.camera);
   Renderer renderer(picture.device);
-  const ComparisonOptions options = options_of(command);
+  ComparisonOptions options = options_of(command);
+  options.draw.importance = picture.options.importance;
   CompareReport report = new_report(command, renderer.info());
 
   std::optional<DrawnScene> first;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "capture_options.h"
+#include "pellucid/budget_maps.h"
 #include "scene.h"
 #include "terminal_progress.h"
 
@@ -37,7 +38,9 @@ class Contender {
   RenderResult draw_first() {
     RenderResult result;
     try {
+      options_.maps = true;
       result = draw();
+      options_.maps = false;
       stats_ = result.stats;
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
@@ -262,7 +265,11 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.exact = info.exact;
     if (!one.failure().empty()) continue;
     row.error = picture_error(exact.pixels, result.pixels, exact.stats.covered_pixels);
+    row.perceived =
+        perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.covered_pixels);
     row.pictures = pictures_of(name, exact_image, result, *row.error);
+    for (const NamedMap& map : budget_pictures(result, options.draw.samples))
+      row.pictures.push_back({map.caption, encode_png(map.image)});
   }
   take_turns(all, options.frames);
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -51,7 +51,8 @@ bool draws_orders(const RenderCommand& options) {
   return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
          options.capture.surfaces == Surfaces::uniform && options.capture.animation.empty() &&
          !is_file_camera(options.camera) && options.orbit == 0 && options.path.empty() &&
-         options.capture.options.samples == 1 && !options.capture.options.cull;
+         options.capture.maps.empty() && options.capture.options.samples == 1 &&
+         !options.capture.options.cull;
 }
 
 void run_capture(const RenderCommand& options, Session& session) {
@@ -193,6 +194,10 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->capture_default_str();
   command->add_flag("--ignore-orders", o.capture.ignore_orders,
                     "Draw triangles as they are stored, not in the sequence of the file's orders");
+  command
+      ->add_option("--maps", o.capture.maps,
+                   "Write importance.png, k.png and loss.png of a technique with --memory into this folder")
+      ->type_name("FOLDER");
   command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
   add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},
              "lit: lighting of a translucent surface (default); depth: depth as colour");

@@ -29,6 +29,7 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"bytes_formula", t.bytes_formula},
           {"can_cull", t.can_cull},
           {"blends_only", t.blends_only},
+          {"within_budget", t.within_budget},
           {"msaa", t.multisampled ? nlohmann::ordered_json{1, 4} : nlohmann::ordered_json{1}}};
 }
 

@@ -44,8 +44,10 @@ struct ImportanceImage {
 };
 
 struct ImportanceOptions {
-  std::vector<ImportanceTerm> terms{ImportanceTerm::opacity};  // none: all pixels alike
-  double alpha = 0.375, limit = 25;  // of `complexity`: importance of few fragments, number at which it is 1
+  std::vector<ImportanceTerm> terms{ImportanceTerm::complexity};  // none: all pixels alike
+  // Of `complexity`: importance of few fragments, and the number at which it is 1. The paper has 0.25 to 0.5
+  // and 20 to 30; why 0.9 is better with a tail, see docs/k-buffers.md.
+  double alpha = 0.9, limit = 25;
   double focus_x = 0.5, focus_y = 0.5;  // of `periphery`: point of interest, 0..1 from the upper left
   double falloff = 3;                   // of `periphery`
   double noise = 0;                     // is added, centred: 0.1 in the paper

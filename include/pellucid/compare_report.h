@@ -30,6 +30,19 @@ struct PictureError {
 PictureError picture_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
                            std::uint64_t covered_pixels);
 
+// What the eye notices, over covered pixels: both are sums over the picture by their number.
+struct PerceivedError {
+  // Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 2004) of sRGB luma, window of
+  // Gaussian weights, sigma 1.5, 11 x 11 pixels; 1: equal.
+  double ssim = 1;
+  // The colour part of FLIP (Andersson et al., HPG 2020) in its simplest form: mean HyAB distance in CIELAB,
+  // the sum of the difference in lightness and the Euclidean one in hue and chroma, after a Gaussian, sigma 1
+  // pixel, in linear light in place of its filters; no edges. 0: equal; 100: black and white.
+  double hyab = 0;
+};
+PerceivedError perceived_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
+                               std::uint32_t width, std::uint32_t height, std::uint64_t covered_pixels);
+
 // White where two pictures agree, from pale to dark red where they do not.
 Image difference_image(const Image& exact, const Image& drawn);
 
@@ -42,8 +55,9 @@ struct ComparedTechnique {
   CaptureStats stats;   // milliseconds: the median of the frames
   std::optional<PictureError> error;
   // What it drew, the difference from the exact picture, and what else there is to see. Empty where it
-  // differs nowhere by more than 1/255.
+  // differs nowhere by more than 1/255. Maps of techniques with a budget are there in any case.
   std::vector<ReportPicture> pictures;
+  PerceivedError perceived{};
 };
 
 struct ComparedScene {
@@ -63,6 +77,9 @@ struct ComparedScene {
   // Of those that captured everything and promise to; null: none.
   [[nodiscard]] const ComparedTechnique* fastest_exact() const;
 };
+
+// "2", "1-7"; "-" for techniques that give no slots.
+std::string format_k_range(const CaptureStats& stats);
 
 // ------------------------------------------------------------------------------------------------- sweeps
 
@@ -97,6 +114,7 @@ struct CompareReport {
   DeviceInfo device;
   std::string effect, surfaces;
   std::uint32_t k = 8, frames = 1;
+  std::uint64_t memory = 0;  // RenderOptions::memory
   std::vector<ComparedScene> scenes;
   std::vector<ComparedSweep> sweeps;
   double seconds_total = 0;

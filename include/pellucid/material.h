@@ -55,4 +55,7 @@ struct MaterialOptions {
 // Error{bad_argument} where a primitive was split since it was read.
 Materials read_materials(const Model& model, const MaterialOptions& options = {});
 
+// A PNG or JPEG. Throws Error{bad_input} where it is missing, damaged or of another format.
+Picture read_picture(const std::string& path);
+
 }  // namespace pellucid

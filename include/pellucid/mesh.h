@@ -84,7 +84,7 @@ Mesh simplify(const Mesh& mesh, std::uint32_t target_triangles);
 // ---------------------------------------------------------------------------------- procedural samples
 
 struct SampleInfo {
-  std::string name;         // "goblet", "torus-knot", "nested-shells", "coplanar-stack", "bottles"
+  std::string name;         // "goblet", "torus-knot", "nested-shells", "coplanar-stack", "bottles", ...
   std::string description;  // one line
 };
 std::span<const SampleInfo> sample_list();

@@ -183,9 +183,9 @@ struct RenderOptions {
   // `overflow`.
   std::uint64_t pool = 0;
   Overflow overflow = Overflow::nearest;
-  // Bytes of buffers of techniques that keep to a budget. 0: `multikb` takes as many as it needs, those with a
-  // tail 32 a pixel (pellucid/budget.h). `multikb` cuts pictures into bands where that is too little for what
-  // is kept of every pixel; those with a tail keep to it in each band.
+  // Bytes of buffers of techniques that keep to a budget. 0: `multikb` takes as many as it needs, those with
+  // a tail 32 a pixel (pellucid/budget.h). `multikb` cuts pictures into bands where that is too little for
+  // what is kept of every pixel; those with a tail keep to it in each band.
   std::uint64_t memory = 0;
   Allocation allocation = Allocation::water;  // of `variable-k`, and what it goes by
   ImportanceOptions importance{};
@@ -224,6 +224,10 @@ struct CaptureStats {
   std::uint64_t bytes = 0;              // of the technique's own buffers and images
   double milliseconds = 0;              // on the device, from the first clear to the finished picture
   double resolve_milliseconds = 0;      // of them, sorting and folding what was captured
+  [[nodiscard]] std::optional<double> k_mean() const {
+    if (!k_least || covered_pixels == 0) return std::nullopt;
+    return static_cast<double>(k_sum) / static_cast<double>(covered_pixels);
+  }
   // The paper's robustness ratio R_h; 1 for an empty picture.
   [[nodiscard]] double captured_share() const {
     return fragments == 0 ? 1 : static_cast<double>(captured) / static_cast<double>(fragments);

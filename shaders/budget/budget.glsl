@@ -25,7 +25,7 @@ const uint kGroupPixels = 1024u;
 const uint kLanePixels = 16u;
 
 // kK: how slots are given out.
-const uint kWater = 0u;    // importance times the level, but no more than there are fragments
+const uint kWater = 0u;    // one, for a tail, and importance times the level, but no more than there are fragments
 const uint kUniform = 1u;  // the same number to all, as far as they have fragments
 const uint kPrinted = 2u;  // shares of importance, rounded down, as printed in the paper; and a tail for each pixel
 
@@ -36,7 +36,7 @@ uint slots_at(uint fragments, float importance, uint level) {
   if (fragments == 0u) return 0u;
   if (level > 0x7F7FFFFFu) return fragments;
   const float wanted = uintBitsToFloat(level) * importance;
-  return min(fragments, max(1u, uint(min(wanted, 1073741824.0))));
+  return min(fragments, 1u + uint(ceil(min(wanted, 1073741824.0))));
 }
 uint next_level(uint level) { return level == 0xFFFFFFFFu ? level : level + 1u; }
 

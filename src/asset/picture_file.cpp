@@ -136,4 +136,15 @@ Picture decode_picture(std::span<const std::byte> file, std::uint64_t max_texels
   return begins_with(file, kPngBegins) ? decode_png(file, max_texels) : decode_jpeg(file, max_texels);
 }
 
+Picture read_picture(const std::string& path) {
+  constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 27U;
+  const std::vector<std::byte> file = read_file(path);
+  if (!is_picture(file)) throw Error(ErrorKind::bad_input, path + ": neither PNG nor JPEG");
+  try {
+    return decode_picture(file, kMostTexels);
+  } catch (const PictureError& error) {
+    throw Error(ErrorKind::bad_input, path + ": " + error.what());
+  }
+}
+
 }  // namespace pellucid

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "dense_samples.h"
 #include "pellucid/mesh.h"
 #include "sample_shapes.h"
 
@@ -289,9 +290,14 @@ std::vector<SamplePart> make_bottles(double detail) {
 
 // ------------------------------------------------------------------------------------------------- list
 
+std::vector<SamplePart> make_shelf_of_bottles(double detail) {
+  return make_shelf(make_bottles(0.2 * detail));
+}
+
 using SampleMaker = std::vector<SamplePart> (*)(double detail);
-constexpr std::array<SampleMaker, 5> kMakers{make_goblet, make_torus_knot, make_nested_shells,
-                                             make_coplanar_stack, make_bottles};
+constexpr std::array<SampleMaker, 9> kMakers{make_goblet,         make_torus_knot,       make_nested_shells,
+                                             make_coplanar_stack, make_bottles,          make_hair,
+                                             make_smoke,          make_shelf_of_bottles, make_greenhouse};
 
 }  // namespace
 
@@ -302,7 +308,11 @@ std::span<const SampleInfo> sample_list() {
        {"nested-shells", "five bumpy closed shells inside each other, one part each"},
        {"coplanar-stack",
         "sheets that coincide exactly, share a plane, or are 1e-7 to 0.1 apart: z-fighting data"},
-       {"bottles", "three bottles with wall thickness, liquid and an open label band, one part each"}}};
+       {"bottles", "three bottles with wall thickness, liquid and an open label band, one part each"},
+       {"hair", "1,500 curly strands in three shades, thin and deep"},
+       {"smoke", "260 faint discs in all directions: fire below, soot and steam above"},
+       {"shelf", "nine of the bottles in three rows behind each other"},
+       {"greenhouse", "24 plants of 4,200 leaves and blossoms behind panes of glass"}}};
   return list;
 }
 

@@ -62,6 +62,8 @@ struct Frame {
   std::span<const std::uint32_t> counts{};          // of every pixel
   std::uint64_t covered = 0;                        // pixels with fragments
   Buffer counters;
+  Buffer* residue =
+      nullptr;  // what techniques keep for the next frame of this band (shaders/budget/residue.glsl)
   std::uint64_t technique_bytes = 0;
 
   [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t{width} * height; }

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <map>
 #include <new>
 #include <numeric>
 #include <optional>
@@ -96,6 +97,7 @@ struct Renderer::Implementation {
   render::Buffer unused;      // in slots that a shader mentions but does not reach
   render::Buffer left_after;  // pixels that the next round may find something for, after each of some rounds
   render::Buffer frame_buffer, picture, dump;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, render::Buffer> residues;  // by band
 };
 
 render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& band) {
@@ -109,7 +111,8 @@ render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& b
           .height = band.rows,
           .first_row = band.first_row,
           .picture_height = job.camera.height,
-          .counters = render::Buffer(context, "counters", sizeof(render::Counters))};
+          .counters = render::Buffer(context, "counters", sizeof(render::Counters)),
+          .residue = &residues[{band.first_row, band.rows}]};
 }
 
 void Renderer::Implementation::run(const Job& job, const render::Frame& frame, CaptureStats& stats,
@@ -427,6 +430,7 @@ const DeviceInfo& Renderer::info() const {
 void Renderer::load(const RenderScene& scene) {
   implementation_->refuse_if_lost();
   implementation_->scene.reset();
+  implementation_->residues.clear();
   implementation_->scene = render::upload_scene(implementation_->context, scene);
 }
 

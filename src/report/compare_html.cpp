@@ -79,7 +79,7 @@ std::string row_of(const ComparedTechnique& technique, const ComparedScene& scen
       fmt::format("<tr{}><td title=\"{}\">{}</td><td>{}</td>", &technique == fastest ? " class=\"ours\"" : "",
                   escape_html(technique.title), escape_html(technique.name), technique.exact ? "yes" : "no");
   if (!technique.failure.empty())
-    return text + "<td colspan=\"12\">" + escape_html(technique.failure) + "</td></tr>\n";
+    return text + "<td colspan=\"15\">" + escape_html(technique.failure) + "</td></tr>\n";
   const CaptureStats& stats = technique.stats;
   const double ratio = fastest == nullptr ? NAN : stats.milliseconds / fastest->stats.milliseconds;
   const auto cell = [&](const std::string& value) { text += "<td>" + value + "</td>"; };
@@ -91,10 +91,13 @@ std::string row_of(const ComparedTechnique& technique, const ComparedScene& scen
   cell(format_fixed(static_cast<double>(stats.bytes) / (static_cast<double>(scene.width) * scene.height), 1));
   cell(format_count(stats.captured));
   cell(format_fixed(stats.captured_share(), 4));
+  cell(stats.k_least ? format_k_range(stats) : kNoValue);
   cell(format_count(stats.overflowed));
   cell(format_count(stats.coplanar));
   cell(technique.error ? format_fixed(technique.error->psnr, 1) : kNoValue);
   cell(technique.error ? format_fixed(technique.error->largest, 4) : kNoValue);
+  cell(technique.error ? format_fixed(technique.perceived.ssim, 4) : kNoValue);
+  cell(technique.error ? format_fixed(technique.perceived.hyab, 3) : kNoValue);
   return text + "</tr>\n";
 }
 
@@ -102,13 +105,16 @@ std::string table(const ComparedScene& scene) {
   std::string text =
       "<div class=\"scroll\"><table><thead><tr><th>technique</th><th>exact</th><th>ms</th><th>ratio</th>"
       "<th>geometry<br/>passes</th><th>rounds</th><th>memory</th><th>bytes<br/>a "
-      "pixel</th><th>captured</th><th>R_h</th><th>overflowed</th><th>coplanar</th><th>PSNR dB</th>"
-      "<th>largest<br/>error</th></tr></thead><tbody>";
+      "pixel</th><th>captured</th><th>R_h</th><th>k</th><th>overflowed</th><th>coplanar</th><th>PSNR dB</th>"
+      "<th>largest<br/>error</th><th>SSIM</th><th>HyAB</th></tr></thead><tbody>";
   for (const ComparedTechnique& technique : scene.techniques) text += row_of(technique, scene);
   return text +
          "</tbody></table></div><p class=\"note\">Exact: promises to capture every fragment, coplanar ones "
          "too. Ratio: to the fastest exact technique. R_h: captured fragments of all. PSNR over covered "
-         "pixels, and the largest error of a channel (0 to 1), against the exact picture.</p>";
+         "pixels, and the largest error of a channel (0 to 1), against the exact picture. SSIM: mean "
+         "structural "
+         "similarity of luma; HyAB: mean colour difference in CIELAB after a blur of one pixel. k: slots for "
+         "fragments of a covered pixel, least and most, of techniques with a budget.</p>";
 }
 
 std::string held_figure(const ReportPicture& picture) {
@@ -262,6 +268,7 @@ std::string settings_section(const CompareReport& report) {
                              scene.width, scene.height, scene.camera, scene.reference));
   }
   add("drawn", fmt::format("{}, surfaces {}, k = {}", report.effect, report.surfaces, report.k));
+  add("budget", report.memory > 0 ? format_bytes(report.memory) : "");
   add("device", fmt::format("{} ({})", report.device.name, report.device.driver));
   add("time in all", format_seconds(report.seconds_total));
   add("memory", report.peak_rss_bytes > 0 ? format_bytes(report.peak_rss_bytes) + " at most" : "");

@@ -33,7 +33,10 @@ Json json_of_stats(const CaptureStats& stats, double pixels) {
           {"repaired_pixels", stats.repaired_pixels},
           {"r_h", stats.captured_share()},
           {"coplanar", stats.coplanar},
-          {"coplanar_pixels", stats.coplanar_pixels}};
+          {"coplanar_pixels", stats.coplanar_pixels},
+          {"k_least", stats.k_least ? Json(*stats.k_least) : Json(nullptr)},
+          {"k_most", stats.k_most ? Json(*stats.k_most) : Json(nullptr)},
+          {"k_mean", stats.k_mean() ? Json(*stats.k_mean()) : Json(nullptr)}};
 }
 
 void append(Json& json, Json more, bool known) {
@@ -56,6 +59,9 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   };
   json["psnr"] = error([](const PictureError& e) { return e.psnr; });
   json["largest_error"] = error([](const PictureError& e) { return e.largest; });
+  const bool known = technique.error.has_value();
+  json["ssim"] = known ? Json(technique.perceived.ssim) : Json(nullptr);
+  json["hyab"] = known ? Json(technique.perceived.hyab) : Json(nullptr);
   json["differing_pixels"] = error([](const PictureError& e) { return e.differing; });
   return json;
 }
@@ -130,10 +136,13 @@ std::vector<std::string> cells_of(const ComparedTechnique& technique, const Comp
           format_fixed(static_cast<double>(stats.bytes) / pixels_of(scene), 1),
           format_count(stats.captured),
           format_fixed(stats.captured_share(), 4),
+          format_k_range(stats),
           format_count(stats.overflowed),
           format_count(stats.coplanar),
           technique.error ? format_fixed(technique.error->psnr, 1) : "-",
-          technique.error ? format_fixed(technique.error->largest, 4) : "-"};
+          technique.error ? format_fixed(technique.error->largest, 4) : "-",
+          technique.error ? format_fixed(technique.perceived.ssim, 4) : "-",
+          technique.error ? format_fixed(technique.perceived.hyab, 3) : "-"};
 }
 
 std::string text_of(const ComparedScene& scene) {
@@ -143,7 +152,7 @@ std::string text_of(const ComparedScene& scene) {
                   format_count(scene.exact.fragments), format_count(scene.exact.covered_pixels),
                   scene.exact.deepest_pixel, format_fixed(scene.coplanar_share(), 3));
   TextTable table({"technique", "exact", "ms", "ratio", "passes", "rounds", "memory", "B/pixel", "captured",
-                   "R_h", "overflowed", "coplanar", "PSNR", "largest error"});
+                   "R_h", "k", "overflowed", "coplanar", "PSNR", "largest error", "SSIM", "HyAB"});
   std::string failures;
   for (const ComparedTechnique& technique : scene.techniques) {
     table.add_row(cells_of(technique, scene));
@@ -176,6 +185,12 @@ std::string text_of(const ComparedSweep& sweep) {
 }
 
 }  // namespace
+
+std::string format_k_range(const CaptureStats& stats) {
+  if (!stats.k_least || !stats.k_most) return "-";
+  if (*stats.k_least == *stats.k_most) return std::to_string(*stats.k_least);
+  return fmt::format("{}-{}", *stats.k_least, *stats.k_most);
+}
 
 double ComparedScene::coplanar_share() const {
   if (exact.covered_pixels == 0) return 0;
@@ -224,7 +239,7 @@ std::string to_json(const CompareReport& report) {
                {"device", report.device.name},    {"driver", report.device.driver},
                {"cpu_driver", report.device.cpu}, {"effect", report.effect},
                {"surfaces", report.surfaces},     {"k", report.k},
-               {"frames", report.frames}};
+               {"frames", report.frames},         {"memory", report.memory}};
   // Who compares one scene finds it at the top.
   if (!report.scenes.empty()) {
     for (const char* key : {"scene", "size", "width", "height", "techniques"}) json[key] = scenes[0][key];

@@ -11,7 +11,8 @@ namespace pellucid {
 namespace {
 
 std::vector<std::string> exact_techniques() {
-  return testing::techniques_that([](const TechniqueInfo& info) { return info.exact && !info.blends_only && info.name != "sb"; });
+  return testing::techniques_that(
+      [](const TechniqueInfo& info) { return info.exact && !info.blends_only && info.name != "sb"; });
 }
 
 // Blended colours and sums of lengths depend on where a technique puts the brackets, and blending stops where

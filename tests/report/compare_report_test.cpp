@@ -8,6 +8,7 @@
 
 #include "curve_chart.h"
 #include "html_charts.h"
+#include "pellucid/budget_maps.h"
 #include "report/markup.h"
 #include "report/schema.h"
 
@@ -102,6 +103,57 @@ TEST(PictureErrors, ShowWhereAndHowMuch) {
   EXPECT_EQ(image.rgb[6], 140);
 }
 
+TEST(PerceivedErrors, AreNoneOfEqualPictures) {
+  const std::vector<Vec3f> exact(12 * 9, {0.2F, 0.7F, 0.4F});
+  const PerceivedError error = perceived_error(exact, exact, 12, 9, 108);
+  EXPECT_NEAR(error.ssim, 1, 1e-12);
+  EXPECT_EQ(error.hyab, 0);
+}
+
+// Of even pictures both have a closed form; half of the pixels are covered, so errors count twice.
+TEST(PerceivedErrors, OfEvenPicturesAreThoseOfTheFormulas) {
+  const std::vector<Vec3f> white(12 * 9, {1, 1, 1});
+  const std::vector<Vec3f> black(12 * 9, {0, 0, 0});
+  const PerceivedError error = perceived_error(white, black, 12, 9, 54);
+  EXPECT_NEAR(error.ssim, 1 - 2 * (1 - 1e-4 / (1 + 1e-4)), 1e-9);
+  EXPECT_NEAR(error.hyab, 200, 1e-3);
+  // Red against white: lightness 53.24 and chroma 104.55 (D65).
+  const std::vector<Vec3f> red(12 * 9, {1, 0, 0});
+  EXPECT_NEAR(perceived_error(white, red, 12, 9, 108).hyab, 100 - 53.24 + 104.55, 0.02);
+}
+
+// A shifted edge spoils the structure; the same step spread over the picture does not.
+TEST(PerceivedErrors, SsimSeesStructure) {
+  std::vector<Vec3f> exact;
+  std::vector<Vec3f> shifted;
+  std::vector<Vec3f> darker;
+  for (int i = 0; i < 32 * 32; ++i) {
+    const auto stripe = [](int x) { return x / 4 % 2 == 0 ? 0.6F : 0.2F; };
+    exact.push_back(Vec3f{1, 1, 1} * stripe(i % 32));
+    shifted.push_back(Vec3f{1, 1, 1} * stripe(i % 32 + 2));
+    darker.push_back(Vec3f{1, 1, 1} * (stripe(i % 32) * 0.8F));
+  }
+  EXPECT_LT(perceived_error(exact, shifted, 32, 32, 1024).ssim, 0.5);
+  EXPECT_GT(perceived_error(exact, darker, 32, 32, 1024).ssim, 0.9);
+}
+
+TEST(BudgetMaps, AreDarkerForMore) {
+  RenderResult result;
+  result.width = 3;
+  result.height = 1;
+  result.maps = {{0, 0.5F, 2}, {0, 1, 7}, {0, 0, 0}};
+  const std::vector<NamedMap> maps = budget_pictures(result, 1);
+  ASSERT_EQ(maps.size(), 3U);
+  EXPECT_EQ(maps[1].name, "k");
+  EXPECT_NE(maps[1].caption.find("darkest 7"), std::string::npos) << maps[1].caption;
+  for (const NamedMap& map : maps) ASSERT_EQ(map.image.rgb.size(), 9U);
+  EXPECT_EQ(maps[0].image.rgb[0], 255);
+  EXPECT_LT(maps[0].image.rgb[3], 255);
+  EXPECT_LT(maps[0].image.rgb[6], maps[0].image.rgb[3]);
+  EXPECT_EQ(maps[2].image.rgb[6], 255);
+  EXPECT_TRUE(budget_pictures(RenderResult{}, 1).empty());
+}
+
 // ----------------------------------------------------------------------------------------------------- text
 
 TEST(CompareReport, RatiosAreToTheFastestThatCapturesAll) {
@@ -189,7 +241,7 @@ TEST(ComparePage, ChoosesAmongThePicturesThatDiffer) {
   EXPECT_EQ(occurrences(page, "type=\"radio\""), 2U);
   EXPECT_EQ(occurrences(page, "checked=\"checked\""), 1U);
   EXPECT_NE(page.find("exact picture: f2b-2p, ll, sb."), std::string::npos);
-  EXPECT_NE(page.find("<td colspan=\"12\">stack needs 64-bit atomics</td>"), std::string::npos);
+  EXPECT_NE(page.find("<td colspan=\"15\">stack needs 64-bit atomics</td>"), std::string::npos);
 }
 
 // ---------------------------------------------------------------------------------------------------- plots

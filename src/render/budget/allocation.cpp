@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 namespace pellucid::render {
 namespace {
@@ -64,15 +65,19 @@ void PlaceMap::record(const Frame& frame, Recorder& recorder, const Buffer& pool
   recorder.bind(Slot::a, pool);
   recorder.bind(Slot::c, state_);
   if (given) recorder.bind(Slot::d, given);
+  const auto clear_sums = [&] {
+    constexpr std::size_t kSums = offsetof(BudgetState, importance_sum);
+    recorder.fill(state_, 0, kSums, sizeof(BudgetState) - kSums);
+    recorder.barrier();
+  };
   recorder.fill(pool, 0);
-  recorder.barrier();
+  clear_sums();
   frame.gather(recorder, "budget/survey.frag", constants);
   recorder.barrier();
   if (kept_importance_) {
     recorder.bind(Slot::b, kept_importance_);
     dispatch("budget/importance.comp");
-    recorder.fill(state_, 0, offsetof(BudgetState, importance_sum), sizeof(std::uint64_t));
-    recorder.barrier();
+    clear_sums();
   }
   recorder.bind(Slot::b, map_);
   dispatch("budget/importance.comp");

@@ -19,7 +19,8 @@ namespace {
 constexpr std::uint64_t kBytesOfAPixel = 32;
 constexpr std::uint32_t kPlaceBits = 27;  // shaders/budget/places.glsl
 constexpr std::uint32_t kPlaceMask = (1U << kPlaceBits) - 1;
-constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;  // kNoKey, and a tail that nothing was put into
+constexpr std::uint32_t kNoResidue = 0x80808080U;  // shaders/budget/terms.glsl
+constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;      // kNoKey, and a tail that nothing was put into
 
 // shaders/budget/tail.glsl: range_of().
 std::uint32_t tail_range(std::uint64_t fragments) {
@@ -173,12 +174,20 @@ class MappedK final : public BudgetBuffer {
     if (plan.slots == 0) return false;
     pool_ = frame.make_buffer("fragment pool", plan.pool_bytes);
     if (wanted.has(ImportanceTerm::image)) upload_image(frame, wanted.options.image);
+    if (wanted.has(ImportanceTerm::residue)) keep_residue(frame);
     map_.allocate(frame, plan, sharing, wanted);
     return true;
   }
   void record_places(Frame& frame, Recorder& recorder) override {
-    map_.record(frame, recorder, pool_, given_);
-    record_capture(frame, recorder, pool_, true);
+    if (frame.residue == nullptr || !uses_residue_) return record_frame(frame, recorder, given_);
+    if (is_first_) {
+      recorder.fill(*frame.residue, kNoResidue);
+      record_frame(frame, recorder, *frame.residue);
+      recorder.barrier();
+      recorder.fill(frame.counters, 0);
+      recorder.barrier();
+    }
+    record_frame(frame, recorder, *frame.residue);
   }
   [[nodiscard]] std::vector<std::uint32_t> keys(const Frame& frame) const override {
     const std::vector<std::uint32_t> words = map_.places(frame);
@@ -194,17 +203,39 @@ class MappedK final : public BudgetBuffer {
   }
 
  private:
+  void record_frame(const Frame& frame, Recorder& recorder, const Buffer& given) const {
+    map_.record(frame, recorder, pool_, given);
+    const bool measures = uses_residue_ && frame.effect != kDumpEffect;
+    if (measures) recorder.bind(Slot::e, *frame.residue);
+    record_capture(frame, recorder, pool_, true,
+                   measures ? "budget/resolve_measure.comp" : "budget/resolve.comp");
+  }
   [[nodiscard]] Importance importance_of(const Frame& frame) const {
     Importance importance;
     if (!by_importance_) return importance;
     importance.options = frame.options.importance;
     for (const ImportanceTerm term : importance.options.terms)
       importance.terms |= static_cast<std::uint32_t>(term);
+    if (importance.has(ImportanceTerm::image) && importance.has(ImportanceTerm::residue)) {
+      throw Error(ErrorKind::bad_argument,
+                  "--importance: not both image and residue: they lie in the same place");
+    }
+    if (importance.has(ImportanceTerm::image) && importance.options.image.bytes.empty())
+      throw Error(ErrorKind::bad_argument, "--importance image: no --importance-image is given");
     return importance;
   }
-  static std::uint64_t given_bytes(const Frame& /*frame*/, const Importance& importance) {
+  static std::uint64_t residue_bytes(const Frame& frame) {
+    return std::max<std::uint64_t>((frame.pixels() + 3) / 4 * 4, 16);
+  }
+  static std::uint64_t given_bytes(const Frame& frame, const Importance& importance) {
     if (importance.has(ImportanceTerm::image)) return image_bytes(importance.options.image);
-    return 0;
+    return importance.has(ImportanceTerm::residue) ? residue_bytes(frame) : 0;
+  }
+  void keep_residue(Frame& frame) {
+    uses_residue_ = true;
+    is_first_ = !*frame.residue || frame.residue->bytes() != residue_bytes(frame);
+    if (is_first_) *frame.residue = Buffer(frame.context, "residues", residue_bytes(frame));
+    frame.technique_bytes += frame.residue->bytes();
   }
   static std::uint64_t image_bytes(const ImportanceImage& image) {
     return std::max<std::uint64_t>((image.bytes.size() + 3) / 4 * 4, 16);
@@ -217,6 +248,7 @@ class MappedK final : public BudgetBuffer {
   }
 
   bool by_importance_;
+  bool uses_residue_ = false, is_first_ = false;
   PlaceMap map_;
   Buffer pool_, given_;
 };

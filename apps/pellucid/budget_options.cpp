@@ -1,0 +1,156 @@
+// Options of techniques with a budget of bytes: see budget_options.h.
+#include "budget_options.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+
+#include "choice.h"
+#include "pellucid/budget_maps.h"
+#include "pellucid/material.h"
+#include "pellucid/metric.h"
+
+namespace pellucid::cli {
+namespace {
+
+std::vector<ImportanceTerm> parse_terms(const std::string& list) {
+  std::vector<ImportanceTerm> terms;
+  std::istringstream stream(list);
+  for (std::string name; std::getline(stream, name, ',');) {
+    std::string known;
+    bool found = name == "none";
+    for (const NamedImportanceTerm& term : importance_terms()) {
+      known.append(", ").append(term.name);
+      if (name != term.name) continue;
+      terms.push_back(term.term);
+      found = true;
+    }
+    if (!found) {
+      throw Error(ErrorKind::bad_argument, fmt::format("--importance: '{}' is none of none{}", name, known));
+    }
+  }
+  return terms;
+}
+
+void parse_complexity(const std::string& text, ImportanceOptions& options) {
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf%n", &options.alpha, &options.limit, &used) != 2 ||
+      static_cast<std::size_t>(used) != text.size() || !(options.alpha >= 0 && options.alpha <= 1) ||
+      !(options.limit >= 1 && options.limit <= 1e6)) {
+    throw Error(ErrorKind::bad_argument,
+                "--complexity: '" + text + "' is not ALPHA,LIMIT of 0..1 and 1 or more");
+  }
+}
+
+void parse_focus(const std::string& text, ImportanceOptions& options) {
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf%n", &options.focus_x, &options.focus_y, &used) != 2 ||
+      static_cast<std::size_t>(used) != text.size() || !std::isfinite(options.focus_x) ||
+      !std::isfinite(options.focus_y)) {
+    throw Error(ErrorKind::bad_argument, "--focus: '" + text + "' is not X,Y in 0..1 from the upper left");
+  }
+}
+
+}  // namespace
+
+// Luma, not luminance: what is twice as bright in linear light is not twice as important.
+ImportanceImage read_importance(const std::string& path) {
+  if (path.empty()) return {};
+  const Picture picture = read_picture(path);
+  ImportanceImage image{picture.width, picture.height, {}};
+  for (std::size_t i = 0; i + 3 < picture.rgba.size(); i += 4) {
+    const double value =
+        0.2126 * picture.rgba[i] + 0.7152 * picture.rgba[i + 1] + 0.0722 * picture.rgba[i + 2];
+    image.bytes.push_back(static_cast<std::uint8_t>(std::lround(value)));
+  }
+  return image;
+}
+
+void add_budget_options(CLI::App& command, RenderOptions& options, std::string& image) {
+  ImportanceOptions& importance = options.importance;
+  // What `parse` refuses is told as CLI11 tells it.
+  const auto add = [&](const std::string& name, const std::string& type, const std::string& description,
+                       std::function<void(const std::string&)> parse) {
+    command
+        .add_option_function<std::string>(
+            name,
+            [name, parse = std::move(parse)](const std::string& text) {
+              try {
+                parse(text);
+              } catch (const Error& error) {
+                throw CLI::ValidationError(error.what());
+              }
+            },
+            description)
+        ->type_name(type);
+  };
+  add("--memory", "BYTES",
+      "Bytes that fixed-k, k-plus and variable-k may take: 35MB, 20MiB (default 32 a pixel)",
+      [&](const std::string& text) { options.memory = parse_bytes("--memory", text); });
+  add_choice(command, "--allocation", options.allocation,
+             {{"water", Allocation::water}, {"printed", Allocation::printed}},
+             "variable-k: give out all of it (default), or as printed in the paper");
+  add("--importance", "LIST",
+      "variable-k: product of opacity, complexity, periphery, fresnel, image, residue: names with commas, or "
+      "none (default complexity)",
+      [&](const std::string& list) { importance.terms = parse_terms(list); });
+  command
+      .add_option("--importance-image", image,
+                  "PNG or JPEG for --importance image, stretched over the picture: white is important")
+      ->type_name("FILE");
+  add("--complexity", "ALPHA,LIMIT",
+      "Of --importance complexity: importance of few fragments, number of them at which it is 1 (default "
+      "0.9,25)",
+      [&](const std::string& text) { parse_complexity(text, importance); });
+  add("--focus", "X,Y", "Point of interest of --importance periphery, from the upper left (default 0.5,0.5)",
+      [&](const std::string& text) { parse_focus(text, importance); });
+  command.add_option("--falloff", importance.falloff, "Exponent of --importance periphery")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--importance-noise", importance.noise,
+                  "Noise that is added to importance; 0.1 in the paper")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
+  struct Unit {
+    const char* name;
+    double bytes;
+  };
+  constexpr std::array<Unit, 8> kUnits{{{"", 1},
+                                        {"B", 1},
+                                        {"KB", 1e3},
+                                        {"MB", 1e6},
+                                        {"GB", 1e9},
+                                        {"KiB", 1024},
+                                        {"MiB", 1048576},
+                                        {"GiB", 1073741824}}};
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  for (const Unit& unit : kUnits) {
+    const double bytes = number * unit.bytes;
+    if (end != text.c_str() && std::string(end) == unit.name && bytes >= 1 && bytes < 1e15)
+      return static_cast<std::uint64_t>(bytes);
+  }
+  throw Error(ErrorKind::bad_argument,
+              option + ": '" + text + "' is not a number of bytes, as 35MB or 20MiB");
+}
+
+void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder) {
+  if (result.maps.k.empty())
+    throw Error(ErrorKind::bad_argument, "--maps: of --technique fixed-k, k-plus or variable-k only");
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw Error(ErrorKind::bad_argument, folder + ": " + failed.message());
+  for (const NamedMap& map : budget_pictures(result, samples))
+    write_png(map.image, (std::filesystem::path(folder) / (map.name + ".png")).string());
+}
+
+}  // namespace pellucid::cli

@@ -1,0 +1,64 @@
+// Techniques with a budget from the command line.
+#include <gtest/gtest.h>
+
+#include "cli/command_line.h"
+#include "report/schema.h"
+
+namespace pellucid::testing {
+namespace {
+
+TEST(BudgetOptions, RefuseWhatMakesNoSense) {
+  const TemporaryFolder folder;
+  for (const Arguments& bad :
+       {Arguments{"--memory", "5XB"}, Arguments{"--memory", "-1MB"}, Arguments{"--memory", "0.5"},
+        Arguments{"--importance", "beauty"}, Arguments{"--allocation", "fair"}, Arguments{"--focus", "1"},
+        Arguments{"--complexity", "2,25"}, Arguments{"--falloff", "0"}}) {
+    Arguments arguments{"render", samples().plain, "-o", folder.file("p.png"), "--technique", "variable-k"};
+    arguments.insert(arguments.end(), bad.begin(), bad.end());
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 2) << bad[0] << " " << bad[1] << ": " << done.err;
+    EXPECT_NE(done.err.find(bad[0]), std::string::npos) << done.err;
+  }
+  EXPECT_TRUE(folder.files().empty());
+}
+
+#if defined(PELLUCID_WITH_RENDERER)
+Arguments render(const TemporaryFolder& folder, const Arguments& more) {
+  Arguments arguments{"render",     samples().plain, "-o",    folder.file("p.png"),
+                      "--validate", "--size",        "96x64", "--technique",
+                      "variable-k", "--json",        "-"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(BudgetOptions, KeepWithinTheMemory) {
+  const TemporaryFolder folder;
+  for (const char* memory : {"64", "60KB", "100KiB"}) {
+    const Finished done = run_pellucid(render(folder, {"--memory", memory}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(done.err, "");
+    const nlohmann::json json = nlohmann::json::parse(done.out);
+    const std::uint64_t most = memory[0] == '1' ? 102'400 : memory[2] == 'K' ? 60'000 : 64;
+    EXPECT_LE(json["bytes"], most);
+    EXPECT_LE(json["k_least"], json["k_most"]);
+  }
+  EXPECT_EQ(run_pellucid(render(folder, {"--memory", "10"})).code, 2);
+}
+
+TEST(BudgetOptions, WriteMapsAndReadAnImportanceImage) {
+  const TemporaryFolder folder;
+  const std::string maps = folder.file("maps");
+  ASSERT_EQ(run_pellucid(render(folder, {"--maps", maps})).code, 0);
+  for (const char* name : {"importance", "k", "loss"})
+    EXPECT_GT(slurp(maps + "/" + name + ".png").size(), 60U);
+  const Finished done = run_pellucid(
+      render(folder, {"--importance", "image", "--importance-image", maps + "/k.png", "--memory", "80KB"}));
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(run_pellucid(render(folder, {"--importance", "image"})).code, 2);
+  EXPECT_EQ(run_pellucid(render(folder, {"--importance-image", samples().plain})).code, 3);
+  EXPECT_EQ(run_pellucid({"render", samples().plain, "-o", folder.file("q.png"), "--maps", maps}).code, 2);
+}
+#endif
+
+}  // namespace
+}  // namespace pellucid::testing

@@ -133,6 +133,22 @@ TEST_P(Budget, TailsHaveTheRightTransmittance) {
   }
 }
 
+// Sums of the most that there can be do not run over.
+TEST_P(Budget, TailsOfManyOpaqueFragmentsAreOpaque) {
+  RenderScene scene = testing::random_stack(45, 300);
+  for (Surface& surface : scene.surfaces) surface = {.color = {0.3F, 0.6F, 0.1F}, .alpha = 0.998F};
+  testing::test_renderer().load(scene);
+  const Camera camera = testing::unit_camera(kSide, kSide);
+  const RenderResult expected = testing::test_renderer().draw(camera, {.plain_resolve = true});
+  for (const std::uint64_t memory : {64U, 14U * kSide * kSide, 20U * kSide * kSide}) {
+    const Drawn drawn = draw(scene, memory);
+    for (std::size_t p = 0; p < expected.pixels.size(); ++p) {
+      if (memory == 64 && drawn.n(p) == 0) continue;  // has a part of its block's tail
+      ASSERT_LT(testing::difference(expected.pixels[p], drawn.result.pixels[p]), 0.02F) << memory;
+    }
+  }
+}
+
 TEST_P(Budget, SequenceOfDrawingDoesNotMatter) {
   RenderScene scene = testing::random_stack(43, 90);
   for (const std::uint64_t memory : {100U, 3000U, 30U * kSide * kSide}) {
@@ -147,8 +163,10 @@ TEST_P(Budget, SequenceOfDrawingDoesNotMatter) {
 }
 
 TEST_P(Budget, CoplanarFragmentsKeepTheirColors) {
-  const RenderScene scene =
+  RenderScene scene =
       testing::joined(testing::coplanar_squares(9, 0.25F), testing::coplanar_squares(9, 0.5F));
+  // From the last id to the first: none finds its slot at once.
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.insert(scene.sequence.begin(), i);
   const Drawn drawn = draw(scene, 8U * 19 * kSide * kSide + 20'000);
   expect_nearest(drawn);
   const RenderResult expected =

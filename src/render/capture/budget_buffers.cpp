@@ -165,7 +165,12 @@ class MappedK final : public BudgetBuffer {
     if (by_importance_ && frame.options.allocation == Allocation::printed) sharing = Sharing::printed;
     const std::uint64_t given = given_bytes(frame, wanted);
     MappedPlan plan = plan_mapped(demand, wanted.survey_words(), given);
-    // Less is surveyed, where there is no room for more: all pixels are of equal importance then.
+    // Less is surveyed, where there is no room for more: tails are less precise then, and in the end all
+    // pixels of equal importance.
+    if (plan.slots == 0 && !wanted.has(ImportanceTerm::opacity)) {
+      wanted.depths = false;
+      plan = plan_mapped(demand, wanted.survey_words(), given);
+    }
     if (plan.slots == 0) {
       wanted.terms = 0;
       wanted.depths = false;

@@ -35,7 +35,7 @@ class Blur {
         for (int i = -radius_; i <= radius_; ++i) {
           const int at_x = std::clamp(x + i * dx, 0, width - 1);
           const int at_y = std::clamp(y + i * dy, 0, height - 1);
-          sum += weights_[static_cast<std::size_t>(i + radius_)] *
+          sum += weights_[static_cast<std::size_t>(i) + static_cast<std::size_t>(radius_)] *
                  plane[static_cast<std::size_t>(at_y) * width_ + static_cast<std::size_t>(at_x)];
         }
         out[static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x)] = sum;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -271,6 +272,7 @@ TEST_P(GivenOut, TermsOfImportance) {
     return draw(memory);
   };
   const double alpha = options_.importance.alpha;
+  options_.importance.noise = 0;
   const Drawn complexity = importance_by({ImportanceTerm::complexity});
   options_.importance.focus_x = 0.25;
   options_.importance.focus_y = 1.5;
@@ -298,11 +300,29 @@ TEST_P(GivenOut, FresnelIsOfTheNearestSurface) {
   RenderScene steep = testing::coplanar_squares(1, 0);
   for (Vec3f& p : steep.positions) p = {p.x / 8, p.y, p.x / 2};
   options_.importance.terms = {ImportanceTerm::fresnel};
+  options_.importance.noise = 0;
   const Drawn drawn = draw(testing::joined(testing::coplanar_squares(1, 0.75F), steep), 60U * kSide * kSide);
   const double steep_importance = 1 - 0.5 * std::pow(1 - 1 / std::sqrt(17.0), 5);
   for (std::size_t p = 0; p < drawn.pixels(); ++p) {
     EXPECT_NEAR(drawn.result.maps.importance[p], p % kSide < kSide / 8 ? steep_importance : 1, 5e-3) << p;
   }
+}
+
+// Half of the pixels get one more; no line divides them from the others.
+TEST_P(GivenOut, WhatALevelLeavesIsSpread) {
+  RenderScene scene = testing::coplanar_squares(1, 0);
+  for (int i = 1; i < 8; ++i)
+    scene = testing::joined(scene, testing::coplanar_squares(1, static_cast<float>(i) / 8));
+  const std::uint64_t pixels = kSide * kSide;
+  const Drawn drawn =
+      draw(scene, 4 * (pixels + 1) + 1088 + 8 * ((pixels + 1023) / 1024) + 8 * (pixels * 9 / 2));
+  std::array<std::uint64_t, 4> more{};
+  for (std::size_t p = 0; p < drawn.pixels(); ++p) {
+    EXPECT_EQ(drawn.used(p) / 2, 2U);
+    more.at(2 * (p / kSide / (kSide / 2)) + p % kSide / (kSide / 2)) += drawn.used(p) - 4;
+  }
+  for (const std::uint64_t quarter : more)
+    EXPECT_NEAR(static_cast<double>(quarter), pixels / 8.0, pixels / 200.0);
 }
 
 // The first frame is drawn twice, and each goes by what the last one left.

@@ -217,6 +217,7 @@ class MappedK final : public BudgetBuffer {
   }
   [[nodiscard]] Importance importance_of(const Frame& frame) const {
     Importance importance;
+    importance.options.noise = 0;
     if (!by_importance_) return importance;
     importance.options = frame.options.importance;
     for (const ImportanceTerm term : importance.options.terms)

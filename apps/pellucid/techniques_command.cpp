@@ -29,7 +29,8 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"bytes_formula", t.bytes_formula},
           {"can_cull", t.can_cull},
           {"blends_only", t.blends_only},
-          {"within_budget", t.within_budget},
+          {"budgeted", t.budgeted},
+          {"keeps_tail", t.keeps_tail},
           {"msaa", t.multisampled ? nlohmann::ordered_json{1, 4} : nlohmann::ordered_json{1}}};
 }
 

@@ -87,7 +87,7 @@ enum class SweepKind {
   resolution,   // pixels of the picture (figure 7)
   coplanarity,  // copies of the scene in one place (figure 8)
   depth,        // copies behind each other (figure 9)
-  memory        // nodes of the pool, as a share of the fragments (figure 11)
+  memory        // for fragments, as a share of what all of them take (figure 11)
 };
 struct NamedSweep {
   SweepKind kind;

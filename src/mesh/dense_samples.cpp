@@ -170,7 +170,8 @@ std::vector<SamplePart> make_greenhouse(double detail) {
   constexpr std::uint32_t kPlants = 24;
   for (std::uint32_t i = 0; i < leaves; ++i) {
     const std::uint32_t plant = i % kPlants;
-    const Vec3d stem{-1.0 + 0.4 * (plant % 6), 0, -1.5 + 1.0 * (plant / 6)};
+    const std::uint32_t row = plant / 6;
+    const Vec3d stem{-1.0 + 0.4 * (plant % 6), 0, -1.5 + 1.0 * row};
     const double height = random.uniform(0.1, 1.5);
     Vec3d along = random.direction();
     along.y = 0.5 * along.y + 0.3;

@@ -217,8 +217,8 @@ SweepWords words_of(SweepKind kind) {
       break;
   }
   return {"Over the size of the pool",
-          "Techniques that store all fragments in a pool lose what finds no place in it, the others do not "
-          "mind. As figure 11 of the paper.",
+          "Techniques that store all fragments in a pool lose what finds no place in it; those with a budget "
+          "get the bytes that sb takes for that pool; the others do not mind. As figure 11 of the paper.",
           {&kCaptured, &kMemory}};
 }
 

@@ -217,7 +217,7 @@ std::span<const NamedSweep> compare_sweeps() {
       {{SweepKind::resolution, "resolution", "pixels of the picture"},
        {SweepKind::coplanarity, "coplanarity", "copies of the scene in one place"},
        {SweepKind::depth, "depth", "copies of the scene behind each other"},
-       {SweepKind::memory, "memory", "nodes of the pool, as a share of the fragments"}}};
+       {SweepKind::memory, "memory", "memory for fragments, as a share of what all of them take"}}};
   return kSweeps;
 }
 

@@ -285,7 +285,8 @@ TEST_P(GivenOut, TermsOfImportance) {
     const double by_number = n == 0 ? 0 : alpha + (1 - alpha) * std::min(1.0, n / 25);
     EXPECT_NEAR(complexity.result.maps.importance[p], by_number, 1e-5);
     const double dx = static_cast<double>(p % kSide) + 0.5 - 0.25 * kSide;
-    const double dy = static_cast<double>(p / kSide) + 0.5 - 1.5 * kSide;
+    const std::size_t row = p / kSide;
+    const double dy = static_cast<double>(row) + 0.5 - 1.5 * kSide;
     const double away = 2 * std::hypot(dx, dy) / (1.1 * std::hypot(kSide, kSide));
     const double by_place = std::max(1 - std::pow(away, 3), 0.0);
     const double product = n == 0 ? 0 : std::max(by_number * by_place, 1.0 / 1024);

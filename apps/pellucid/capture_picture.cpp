@@ -47,7 +47,7 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
       picture.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
       format_percent(stats.captured_share()),
       stats.overflowed > 0 ? fmt::format(", {} found no place", format_count(stats.overflowed)) : "",
-      stats.rounds > 0 ? fmt::format("{} {}, ", stats.rounds, stats.rounds == 1 ? "round" : "rounds")
+      stats.rounds > 1 ? fmt::format("{} rounds, ", stats.rounds)
       : stats.k_least  ? fmt::format("k {}, ", format_k_range(stats))
                        : "",
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));

@@ -214,6 +214,27 @@ TEST(RenderCommand, OrdersOfTheFileAreTheSequenceOfDrawing) {
   EXPECT_NE(drawn("fab", ""), drawn("fab", "--ignore-orders"));
   EXPECT_EQ(drawn("kb", ""), drawn("kb", "--ignore-orders"));
 }
+
+// In-depth orders leave little to repair; the picture is exact with them and without.
+TEST(RenderCommand, VerifiedBlendingRepairsLittleWhereThereAreOrders) {
+  const TemporaryFolder folder;
+  const auto drawn = [&](const std::string& technique, const std::string& option) {
+    const std::string png = folder.file("p.png");
+    Arguments arguments{"render",  samples().ordered, "-o",      png,      "--technique",
+                        technique, "--size",          "160x120", "--json", "-"};
+    if (!option.empty()) arguments.push_back(option);
+    const Finished done = run_pellucid(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return std::pair(nlohmann::json::parse(done.out), slurp(png));
+  };
+  const auto [exact, exact_picture] = drawn("sb", "");
+  const auto [ordered, ordered_picture] = drawn("verified", "");
+  const auto [stored, stored_picture] = drawn("verified", "--ignore-orders");
+  EXPECT_EQ(ordered_picture, exact_picture);
+  EXPECT_EQ(stored_picture, exact_picture);
+  EXPECT_LT(10 * ordered["repaired_pixels"].get<int>(), stored["repaired_pixels"].get<int>());
+  EXPECT_LT(ordered["bytes"].get<int>(), stored["bytes"].get<int>());
+}
 #endif
 
 TEST(SampleCommand, EveryListedSampleCanBeMade) {

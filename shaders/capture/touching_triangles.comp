@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
+#include "marked_tiles.glsl"
 // Which triangles of a range touch tiles of 8 x 8 pixels that are marked: an index buffer of them, in any sequence.
-// push.first_triangle, p0 triangles; p1: the range, whose draw has five words of arguments. D: marks of tiles.
+// push.first_triangle, p0 triangles; p1: the range, whose draw has five words of arguments.
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
 layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
-layout(std430, set = 0, binding = SLOT_D) readonly buffer Marks { uint marks[]; };
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) writeonly buffer Touching { uint touching[]; };
 layout(std430, set = 0, binding = SLOT_STATE_GROUP) writeonly buffer TouchingIndices { uint touching_indices[]; };
 layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer Arguments { uint arguments[]; };
@@ -32,13 +32,13 @@ bool touches(vec4 a, vec4 b, vec4 c) {
   const vec2 low = min(pa, min(pb, pc)) - kSlack;
   const vec2 high = max(pa, max(pb, pc)) + kSlack;
   if (any(lessThan(high, vec2(0.0))) || any(greaterThan(low, vec2(frame.size)))) return false;
-  const ivec2 tiles = ivec2((frame.size + 7u) / 8u);
+  const ivec2 tiles = ivec2(tiles_of_picture());
   const ivec2 first = ivec2(max(low, vec2(0.0))) / 8;
   const ivec2 last = min(ivec2(min(high, vec2(frame.size))) / 8, tiles - 1);
   if ((last.x - first.x + 1) * (last.y - first.y + 1) > kMostTiles) return true;
   for (int y = first.y; y <= last.y; ++y) {
     for (int x = first.x; x <= last.x; ++x) {
-      if (marks[y * tiles.x + x] != 0u) return true;
+      if (is_marked_tile(uint(y * tiles.x + x))) return true;
     }
   }
   return false;

@@ -2,15 +2,15 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
 #include "../interface/opaque.glsl"
-// What was blended front to back, over the background. MARKS: also which tiles have marked pixels (D), by their stencils.
+// What was blended front to back, over the background. MARKS: also which tiles have marked pixels, by their stencils.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform texture2D blended;
 #if defined(MARKS)
 layout(set = 0, binding = SLOT_IMAGE_1) uniform utexture2D stencils;
-layout(std430, set = 0, binding = SLOT_D) buffer Marks { uint marks[]; };
+#include "../capture/marked_tiles.glsl"
 void mark(ivec2 place) {
-  if (texelFetch(stencils, place, 0).x != 0u) marks[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = 1u;
+  if (texelFetch(stencils, place, 0).x != 0u) mark_tile(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
 }
 #else
 void mark(ivec2 place) {}

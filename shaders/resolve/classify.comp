@@ -7,13 +7,13 @@
 // Which tiles have lists of at most 4, 8, 16, 128 or more fragments: each class is sorted by a kernel of its own.
 // Counts pixels with fragments and the deepest of them on the way.
 layout(local_size_x = 8, local_size_y = 8) in;
-// With bit 2 of kVariant (lists.comp) only tiles are looked at that are marked here.
-layout(std430, set = 0, binding = SLOT_D) readonly buffer Marks { uint marks[]; };
+#include "../capture/marked_tiles.glsl"
+// With bit 2 of kVariant (lists.comp) there is a workgroup for each marked tile, else for every tile.
 const bool kRepairs = (kVariant & 2u) != 0u;
 shared uint deepest_list, deepest_pixel, covered_pixels;
 void main() {
-  if (kRepairs && marks[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] == 0u) return;
-  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  const uvec2 tile = kRepairs ? marked_tile(gl_WorkGroupID.x) : gl_WorkGroupID.xy;
+  const uvec2 pixel = 8u * tile + gl_LocalInvocationID.xy;
   if (gl_LocalInvocationIndex == 0u) {
     deepest_list = 0u;
     deepest_pixel = 0u;
@@ -39,6 +39,5 @@ void main() {
   if (gl_LocalInvocationIndex != 0u) return;
   atomicMax(counters.deepest, deepest_pixel);
   atomicAdd(counters.covered, covered_pixels);
-  put_tile(class_of(deepest_list), gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x,
-           gl_NumWorkGroups.x * gl_NumWorkGroups.y);
+  put_tile(class_of(deepest_list), tile.y * tiles_of_picture().x + tile.x, tile_count());
 }

@@ -20,14 +20,21 @@ void ListResolve::allocate(Frame& frame) {
   tiles_ = frame.make_buffer("list of tiles", 4 * kClasses.size() * (3 + tiles));
 }
 
-void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k, bool repairs) const {
+void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k,
+                         const Buffer* marked_tiles) const {
   recorder.begin_resolve();
-  const Constants constants{frame.effect, k, (frame.options.statistics ? 0U : 1U) | (repairs ? 2U : 0U)};
+  const Constants constants{frame.effect, k,
+                            (frame.options.statistics ? 0U : 1U) | (marked_tiles != nullptr ? 2U : 0U)};
   recorder.bind(Slot::e, tiles_);
   recorder.dispatch(frame.pipelines.compute("resolve/clear_tiles.comp", {}), 1, 1);
   recorder.barrier();
-  recorder.dispatch(frame.pipelines.compute("resolve/classify_" + storage_ + ".comp", constants),
-                    frame.tiles_x(), frame.tiles_y());
+  const OwnedPipeline& classify =
+      frame.pipelines.compute("resolve/classify_" + storage_ + ".comp", constants);
+  if (marked_tiles != nullptr) {
+    recorder.dispatch_indirect(classify, *marked_tiles, 0);
+  } else {
+    recorder.dispatch(classify, frame.tiles_x(), frame.tiles_y());
+  }
   recorder.barrier();
   recorder.push().p[0] = loop_budget(frame.context.info());
   for (std::uint32_t i = 0; i < kClasses.size(); ++i) {

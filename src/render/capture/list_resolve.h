@@ -13,10 +13,18 @@ class ListResolve {
   explicit ListResolve(std::string storage) : storage_(std::move(storage)) {}
   void allocate(Frame& frame);
   // Slots a, b, c hold the storage; `k` is its constant kK.
-  // With `repairs`, pixels without fragments keep what the picture has there.
-  void record(Frame& frame, Recorder& recorder, std::uint32_t k, bool repairs = false) const;
+  void record(Frame& frame, Recorder& recorder, std::uint32_t k) const {
+    record(frame, recorder, k, nullptr);
+  }
+  // Only of the tiles listed there (shaders/capture/marked_tiles.glsl), bound to slot d; pixels without
+  // fragments keep what the picture has there.
+  void repair(Frame& frame, Recorder& recorder, const Buffer& marked_tiles) const {
+    record(frame, recorder, 0, &marked_tiles);
+  }
 
  private:
+  void record(Frame& frame, Recorder& recorder, std::uint32_t k, const Buffer* marked_tiles) const;
+
   std::string storage_;
   Buffer tiles_;
 };

@@ -27,7 +27,8 @@ class VerifiedBlend final : public Technique {
     marks_ = frame.make_image("depths and marks", kDepthAndMarks);
     counts_ = frame.make_buffer("marked fragments", 4 * frame.pixels());
     ends_ = frame.make_buffer("marked ranges", 4 * frame.pixels());
-    marked_tiles_ = frame.make_buffer("marked tiles", 4 * std::uint64_t{frame.tiles_x()} * frame.tiles_y());
+    marked_tiles_ =
+        frame.make_buffer("marked tiles", 4 * (3 + 2 * std::uint64_t{frame.tiles_x()} * frame.tiles_y()));
     std::vector<VkDrawIndexedIndirectCommand> draws;
     std::uint64_t triangles = 0;
     for (const DrawRange& range : frame.scene.ranges) {
@@ -80,6 +81,8 @@ class VerifiedBlend final : public Technique {
     recorder.fill(counts_, 0);
     recorder.fill(marked_tiles_, 0);
     recorder.barrier();
+    recorder.fill(marked_tiles_, 1, 4, 8);  // y and z of the dispatch
+    recorder.barrier();
     recorder.bind(Slot::image_0, blended_);
     recorder.bind_stencil(Slot::image_1, marks_);
     recorder.bind(Slot::d, marked_tiles_);
@@ -116,8 +119,7 @@ class VerifiedBlend final : public Technique {
     recorder.bind(Slot::b, ends_);
     draw_marked(frame, recorder, "capture/count_marked.frag");
     recorder.barrier();
-    recorder.dispatch(frame.pipelines.compute("capture/reserve_marked.comp", {}), frame.tiles_x(),
-                      frame.tiles_y());
+    recorder.dispatch_indirect(frame.pipelines.compute("capture/reserve_marked.comp", {}), marked_tiles_, 0);
   }
 
   void repair(Frame& frame, Recorder& recorder) {
@@ -129,7 +131,7 @@ class VerifiedBlend final : public Technique {
     recorder.push().p[3] = marked_;
     draw_marked(frame, recorder, "capture/fill_marked.frag");
     recorder.barrier();
-    resolve_.record(frame, recorder, 0, true);
+    resolve_.repair(frame, recorder, marked_tiles_);
   }
 
   void draw_marked(Frame& frame, Recorder& recorder, std::string_view shader) {

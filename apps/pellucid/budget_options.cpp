@@ -143,9 +143,15 @@ std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
               option + ": '" + text + "' is not a number of bytes, as 35MB or 20MiB");
 }
 
-void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder) {
-  if (result.maps.k.empty())
+void check_maps(const std::string& technique) {
+  const auto techniques = render_techniques();
+  if (std::none_of(techniques.begin(), techniques.end(),
+                   [&](const TechniqueInfo& t) { return t.name == technique && t.keeps_tail; })) {
     throw Error(ErrorKind::bad_argument, "--maps: of --technique fixed-k, k-plus or variable-k only");
+  }
+}
+
+void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw Error(ErrorKind::bad_argument, folder + ": " + failed.message());

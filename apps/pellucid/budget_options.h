@@ -18,6 +18,8 @@ ImportanceImage read_importance(const std::string& path);
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
 
 // importance.png, k.png and loss.png in `folder`, which is made.
+// Throws Error{bad_argument} for techniques without maps.
+void check_maps(const std::string& technique);
 void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder);
 
 }  // namespace pellucid::cli

@@ -229,6 +229,7 @@ class Stage {
 void render_capture(const CapturePicture& picture, Session& session) {
   const Stopwatch watch;
   const bool reference = picture.options.technique == kReference;
+  if (!picture.maps.empty()) check_maps(picture.options.technique);
   // A device that is not there is told before a large file is read.
   std::optional<Renderer> renderer;
   if (!reference) renderer.emplace(picture.device);

@@ -158,7 +158,8 @@ std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& ca
   }
   for (const std::uint32_t t : sequence) drawn[t] = 1;
   std::vector<std::uint32_t> others;
-  append_in_order(scene_ranks(scene, DrawOrder::buffers, camera, {}), 0, scene, camera, others);
+  append_in_order(scene_ranks(scene, in_depth ? DrawOrder::buffers : DrawOrder::original, camera, {}), 0,
+                  scene, camera, others);
   std::copy_if(others.begin(), others.end(), std::back_inserter(sequence),
                [&](std::uint32_t t) { return drawn[t] == 0; });
   return sequence;

@@ -16,8 +16,7 @@ namespace pellucid {
 
 // How variable-k gives out M slots to pixels of importance I and N fragments.
 enum class Allocation {
-  water,  // min(N, max(1, floor(l I))), with the level l at which they use up M, and what is left over one by
-          // one
+  water,   // min(N, 1 + ceil(l I)), with the level l at which they use up M, and what is left over one by one
   printed  // floor(I / sum of I * M), equation 1 of the paper, of what a tail for every pixel leaves; may be
            // more than N, and 0
 };

@@ -7,12 +7,24 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
 
+// Of the pixels of a row from one to another.
+uint covered_between(uint first, uint last) {
+  uint sum = 0u;
+  for (uint word = first / 32u; word <= last / 32u; ++word) {
+    uint bits = covered[word];
+    if (word == first / 32u) bits &= 0xFFFFFFFFu << (first % 32u);
+    if (word == last / 32u) bits &= 0xFFFFFFFFu >> (31u - last % 32u);
+    sum += uint(bitCount(bits));
+  }
+  return sum;
+}
+
 uint covered_of_block(uvec2 first) {
   const uvec2 end = min(first + push.p0, frame.size);
   if (push.p2 == 0u) return (end.x - first.x) * (end.y - first.y);
   uint sum = 0u;
   for (uint y = first.y; y < end.y; ++y)
-    for (uint x = first.x; x < end.x; ++x) sum += is_covered(pixel_index(uvec2(x, y))) ? 1u : 0u;
+    sum += covered_between(pixel_index(uvec2(first.x, y)), pixel_index(uvec2(end.x - 1u, y)));
   return sum;
 }
 

@@ -5,7 +5,7 @@
 // Hybrid transparency: Maule, Comba, Torchelsen, Bastos, I3D 2013.
 #ifndef TAIL_GLSL
 #define TAIL_GLSL
-// Optical depth of an opaque fragment, for which that of 254/255 is taken; a power of two.
+// Optical depth of an opaque fragment, for which that of 255/256 is taken; a power of two.
 const float kMostDepth = 8.0;
 const uint kMostDepthBits = 3u;
 

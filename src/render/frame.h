@@ -1,6 +1,7 @@
 // frame.h - one picture, or a band of it, while it is drawn: what techniques find there and may ask for.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -68,9 +69,12 @@ struct Frame {
 
   [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t{width} * height; }
   // Nodes of a pool.
-  [[nodiscard]] std::uint64_t capacity() const { return options.pool != 0 ? options.pool : fragments; }
+  [[nodiscard]] std::uint64_t capacity() const {
+    return options.pool != 0 ? std::min(options.pool, std::max<std::uint64_t>(fragments, 1)) : fragments;
+  }
   [[nodiscard]] std::uint32_t tiles_x() const { return (width + 7) / 8; }
   [[nodiscard]] std::uint32_t tiles_y() const { return (height + 7) / 8; }
+  [[nodiscard]] std::uint64_t tiles() const { return std::uint64_t{tiles_x()} * tiles_y(); }
 
   // A technique's own memory, which is counted.
   Buffer make_buffer(const std::string& name, std::uint64_t bytes);

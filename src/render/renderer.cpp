@@ -9,6 +9,7 @@
 #include <new>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "capture/nearest_rounds.h"
 #include "capture/synchronisation.h"
@@ -17,6 +18,7 @@
 #include "effects.h"
 #include "frame.h"
 #include "frame_data.h"
+#include "importance_terms.h"
 #include "opaque_layer.h"
 
 namespace pellucid {
@@ -97,7 +99,9 @@ struct Renderer::Implementation {
   render::Buffer unused;      // in slots that a shader mentions but does not reach
   render::Buffer left_after;  // pixels that the next round may find something for, after each of some rounds
   render::Buffer frame_buffer, picture, dump;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, render::Buffer> residues;  // by band
+  using BandKey = std::pair<std::uint32_t, std::uint32_t>;
+  std::map<BandKey, render::Buffer> residues;  // of the last frame, by band
+  std::set<BandKey> drawn_bands;               // of the current one
 };
 
 render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& band) {
@@ -342,6 +346,8 @@ void Renderer::Implementation::read_fragments(const render::Frame& frame,
 }
 
 void Renderer::Implementation::draw_band(const Job& job, const Band& band, RenderResult& result) {
+  // Kernels run over lists of tiles, a workgroup each: as many as every device can dispatch in a row.
+  constexpr std::uint64_t kMostTiles = 65'535;
   const std::uint64_t most = context.info().max_buffer_bytes;
   const auto halves = [&] {
     const std::uint32_t upper = band.rows / 2;
@@ -349,7 +355,7 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
     draw_band(job, {band.first_row + upper, band.rows - upper}, result);
   };
   render::Frame frame = make_frame(job, band);
-  if (band.rows > 1 && 32 * frame.pixels() > most) return halves();
+  if (band.rows > 1 && (32 * frame.pixels() > most || frame.tiles() > kMostTiles)) return halves();
   CaptureStats before;
   draw_opaque(job, frame, before);
   CaptureStats counting;
@@ -367,6 +373,7 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
                 fmt::format("--memory: {} bytes do not hold what is kept of a row of pixels: {} bytes",
                             job.options.memory, technique->least_bytes(frame)));
   }
+  drawn_bands.insert({band.first_row, band.rows});
   result.stats.pool_exceeded = result.stats.pool_exceeded || pool_exceeded;
   result.stats.milliseconds += before.milliseconds;
   result.stats.geometry_passes += before.geometry_passes;
@@ -392,12 +399,18 @@ RenderResult Renderer::Implementation::draw(Job job) {
   // Nothing of it stays, however it ends.
   struct Release {
     Implementation& self;
+    bool finished = false;
     ~Release() {
+      // A residue that was begun is none; those of other bands are of another picture.
+      if (!finished) self.residues.clear();
+      std::erase_if(self.residues,
+                    [&](const auto& entry) { return !self.drawn_bands.contains(entry.first); });
+      self.drawn_bands.clear();
       self.opaque.reset();
       self.picture = {};
       self.dump = {};
     }
-  } const release{*this};
+  } release{*this};
   RenderResult result;
   result.stats.sync = job.sync;
   result.width = job.camera.width;
@@ -409,6 +422,7 @@ RenderResult Renderer::Implementation::draw(Job job) {
     draw_band(job, {0, job.camera.height}, dumped);
     result.fragments = std::move(dumped.fragments);
   }
+  release.finished = true;
   return result;
 }
 
@@ -503,6 +517,7 @@ void check_technique(const TechniqueInfo& technique, const RenderOptions& option
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--cull needs conditional rendering, which {} has not", device.name));
   }
+  if (technique.keeps_tail) render::check_importance(options.importance);
   if (!technique.blends_only && !technique.keeps_tail) return;
   if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
     throw Error(ErrorKind::bad_argument,

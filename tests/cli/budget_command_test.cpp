@@ -1,6 +1,8 @@
 // Techniques with a budget from the command line.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "cli/command_line.h"
 #include "report/schema.h"
 
@@ -12,7 +14,8 @@ TEST(BudgetOptions, RefuseWhatMakesNoSense) {
   for (const Arguments& bad :
        {Arguments{"--memory", "5XB"}, Arguments{"--memory", "-1MB"}, Arguments{"--memory", "0.5"},
         Arguments{"--importance", "beauty"}, Arguments{"--allocation", "fair"}, Arguments{"--focus", "1"},
-        Arguments{"--complexity", "2,25"}, Arguments{"--falloff", "0"}}) {
+        Arguments{"--complexity", "2,25"}, Arguments{"--falloff", "0"}, Arguments{"--falloff", "nan"},
+        Arguments{"--importance-noise", "nan"}}) {
     Arguments arguments{"render", samples().plain, "-o", folder.file("p.png"), "--technique", "variable-k"};
     arguments.insert(arguments.end(), bad.begin(), bad.end());
     const Finished done = run_pellucid(arguments);
@@ -57,6 +60,7 @@ TEST(BudgetOptions, WriteMapsAndReadAnImportanceImage) {
   EXPECT_EQ(run_pellucid(render(folder, {"--importance", "image"})).code, 2);
   EXPECT_EQ(run_pellucid(render(folder, {"--importance-image", samples().plain})).code, 3);
   EXPECT_EQ(run_pellucid({"render", samples().plain, "-o", folder.file("q.png"), "--maps", maps}).code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("q.png")));
 }
 #endif
 

@@ -250,5 +250,36 @@ TEST_F(BoundedMemory, Samples) {
   expect_same_picture(result, expected, 1e-4F, "4 samples");
 }
 
+// Pools have no more nodes than there are fragments, whatever is asked for.
+TEST_F(BoundedMemory, HugePoolsAreNoLargerThanNeeded) {
+  Renderer& renderer = testing::test_renderer();
+  renderer.load(testing::random_stack(8, 60));
+  const Camera camera = testing::unit_camera(24, 16);
+  for (const char* technique : {"sb", "ll", "f2b-ll"}) {
+    const RenderResult expected = renderer.draw(camera, {.technique = technique});
+    for (const unsigned bits : {32U, 60U, 62U}) {
+      const RenderResult result =
+          renderer.draw(camera, {.technique = technique, .pool = std::uint64_t{1} << bits});
+      EXPECT_EQ(result.stats.captured, expected.stats.captured) << technique << " " << bits;
+      EXPECT_EQ(result.stats.bytes, expected.stats.bytes) << technique << " " << bits;
+    }
+  }
+  EXPECT_EQ(testing::first_validation_message(), "");
+}
+
+TEST_F(BoundedMemory, ATailOfManyOpaqueFragmentsIsNoHole) {
+  Renderer& renderer = testing::test_renderer();
+  RenderScene scene = testing::coplanar_squares(256, 0.5F);
+  for (Surface& surface : scene.surfaces) {
+    surface.alpha = 1;
+    surface.color = {0.1F, 0.1F, 0.1F};
+  }
+  renderer.load(scene);
+  const RenderResult result =
+      renderer.draw(testing::unit_camera(4, 4), {.technique = "sb", .background = {9, 9, 9}, .pool = 1});
+  EXPECT_EQ(result.stats.overflowed, 256U * 16 - 1);
+  for (const Vec3f& pixel : result.pixels) EXPECT_LT(pixel.x, 0.5F);
+}
+
 }  // namespace
 }  // namespace pellucid

@@ -90,7 +90,9 @@ TEST(Failures, EveryCallOfADraw) {
                                               {.technique = "sb", .pool = 100, .overflow = Overflow::exact},
                                               {.technique = "kb"},
                                               {.technique = "f2b-2p", .cull = renderer.info().conditional},
-                                              {.technique = "f2b"}}) {
+                                              {.technique = "f2b"},
+                                              {.technique = "verified"},
+                                              {.technique = "variable-k"}}) {
       if (options.pool != 0 && !renderer.info().atomics64) continue;
       fault.disarm();
       fault.restart_count();

@@ -47,10 +47,18 @@ BlockPlan plan_blocks(const BudgetDemand& demand) {
         fmt::format("--memory: {} bytes are not even one tail, which takes {}", demand.bytes, kTailBytes));
   }
   BlockPlan plan;
+  const auto side_of = [&](std::uint64_t bytes) {
+    std::uint32_t side = BlockPlan{}.side;
+    while (tail_bytes(demand, side) > std::min(bytes, demand.most_buffer_bytes)) side *= 2;
+    return side;
+  };
+  // Larger blocks gain more by smaller ones than by knowing what is covered, and each pixel counts the bits
+  // of its own.
+  constexpr std::uint32_t kMostMaskedSide = 64;
   const std::uint64_t mask = std::max((demand.pixels() + 31) / 32 * 4, kLeastBuffer);
-  if (mask + kTailBytes <= demand.bytes) plan.mask_bytes = mask;
-  const std::uint64_t room = std::min(demand.bytes - plan.mask_bytes, demand.most_buffer_bytes);
-  while (tail_bytes(demand, plan.side) > room) plan.side *= 2;
+  if (mask + kTailBytes <= demand.bytes && side_of(demand.bytes - mask) <= kMostMaskedSide)
+    plan.mask_bytes = mask;
+  plan.side = side_of(demand.bytes - plan.mask_bytes);
   plan.tail_bytes = tail_bytes(demand, plan.side);
   const std::uint64_t block_pixels = std::uint64_t{plan.side} * plan.side;
   plan.most_fragments = std::min(demand.fragments, demand.deepest * block_pixels);

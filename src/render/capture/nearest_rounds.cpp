@@ -100,7 +100,7 @@ class NearestRounds final : public Technique {
   // A sum of absorptions up to 16 each has to fit into a word.
   [[nodiscard]] static std::uint32_t tail_unit(const Frame& frame) {
     constexpr std::uint64_t kFinest = 1U << 20U;
-    const std::uint64_t fits = (std::uint64_t{1} << 28U) / std::max<std::uint64_t>(frame.deepest, 1);
+    const std::uint64_t fits = ((std::uint64_t{1} << 28U) - 1) / std::max<std::uint64_t>(frame.deepest, 1);
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_floor(fits), 1, kFinest));
   }
 

@@ -284,14 +284,16 @@ void Context::read_features() {
                  has(extensions, VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME),
                  has(extensions, VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME));
   vkGetPhysicalDeviceFeatures2(physical_, &features);
-  info_.atomics64 =
-      features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
+  integers64_ = features.features.shaderInt64 == VK_TRUE;
+  info_.atomics64 = integers64_ && features12.shaderBufferInt64Atomics == VK_TRUE;
   info_.layered = features12.shaderOutputLayer == VK_TRUE;
   info_.precise_queries = features.features.occlusionQueryPrecise == VK_TRUE;
   info_.conditional =
       optional.conditional.conditionalRendering == VK_TRUE && features.features.depthClamp == VK_TRUE;
-  if (optional.ordered.rasterizationOrderColorAttachmentAccess == VK_FALSE) info_.ordered_attachments = 0;
-  info_.interlock = optional.interlock.fragmentShaderPixelInterlock == VK_TRUE;
+  // What is kept in slots is compared as keys of 64 bits.
+  if (optional.ordered.rasterizationOrderColorAttachmentAccess == VK_FALSE || !integers64_)
+    info_.ordered_attachments = 0;
+  info_.interlock = optional.interlock.fragmentShaderPixelInterlock == VK_TRUE && integers64_;
 }
 
 void Context::create_device() {
@@ -324,7 +326,7 @@ void Context::create_device() {
                    .depthClamp = info_.conditional ? VK_TRUE : VK_FALSE,
                    .occlusionQueryPrecise = info_.precise_queries ? VK_TRUE : VK_FALSE,
                    .fragmentStoresAndAtomics = VK_TRUE,
-                   .shaderInt64 = info_.atomics64 ? VK_TRUE : VK_FALSE}};
+                   .shaderInt64 = integers64_ ? VK_TRUE : VK_FALSE}};
   std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
   if (info_.conditional) extensions.push_back(VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
   if (ordered) extensions.push_back(VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME);

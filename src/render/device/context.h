@@ -89,6 +89,7 @@ class Context {
   OwnedInstance instance_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkPhysicalDeviceMemoryProperties memory_{};
+  bool integers64_ = false;  // in shaders
   DeviceInfo info_;
   double nanoseconds_per_tick_ = 1;
   std::uint32_t queue_family_ = 0;

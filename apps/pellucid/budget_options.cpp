@@ -154,7 +154,7 @@ void check_maps(const std::string& technique) {
 void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
-  if (failed) throw Error(ErrorKind::bad_argument, folder + ": " + failed.message());
+  if (failed) throw Error(ErrorKind::cannot_write, folder + ": " + failed.message());
   for (const NamedMap& map : budget_pictures(result, samples))
     write_png(map.image, (std::filesystem::path(folder) / (map.name + ".png")).string());
 }

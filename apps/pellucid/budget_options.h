@@ -17,9 +17,9 @@ ImportanceImage read_importance(const std::string& path);
 // "35MB", "20MiB", "4096": bytes; powers of ten or, with an i, of two. Throws Error{bad_argument}.
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
 
-// importance.png, k.png and loss.png in `folder`, which is made.
-// Throws Error{bad_argument} for techniques without maps.
+// Throws Error{bad_argument} for techniques without maps: before anything is drawn.
 void check_maps(const std::string& technique);
+// importance.png, k.png and loss.png in `folder`, which is made. Throws Error{cannot_write}.
 void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder);
 
 }  // namespace pellucid::cli

@@ -11,8 +11,8 @@
 
 namespace pellucid::cli {
 
-// --effect, --csg, --surfaces, --k, --sync, --pool, --overflow, --frames, --samples, --cull, --plain-resolve,
-// --device, --validate; defaults as they are.
+// --effect, --csg, --surfaces, --k, --sync, --pool, --overflow, --memory and what goes with it, --frames,
+// --samples, --cull, --plain-resolve, --device, --validate; defaults as they are.
 void add_capture_options(CLI::App& command, CapturePicture& picture);
 
 // What the reference on the CPU is among the techniques.

@@ -124,10 +124,9 @@ std::span<const NamedEffect> render_effects();
 
 // What becomes of fragments that a pool has no room for. Needs 64-bit atomics.
 enum class Overflow {
-  // Of every pixel the nearest are kept, in all as many as the pool has nodes; the others are counted and,
-  // where
-  // the effect blends, are seen behind them as one layer of their weighted average colour with the product of
-  // their transmittances.
+  // Of every pixel the nearest are kept, in all as many as the pool has nodes. The others are counted and,
+  // where the effect blends, seen behind them as one layer of their weighted average colour with the product
+  // of their transmittances.
   nearest,
   // All are captured, in as many rounds as it takes: `multikb` in the pool.
   exact

@@ -10,17 +10,11 @@
 namespace pellucid::cli {
 namespace {
 
-Wrap wrap_of(TextureWrap wrap) {
-  if (wrap == TextureWrap::mirror) return Wrap::mirror;
-  return wrap == TextureWrap::clamp ? Wrap::clamp : Wrap::repeat;
-}
-
 std::vector<Texture> textures_of(const Materials& materials) {
   std::vector<Texture> textures;
   for (const ModelTexture& texture : materials.textures) {
     const Picture& picture = materials.pictures[texture.picture];
-    textures.push_back(
-        {picture.width, picture.height, picture.rgba, wrap_of(texture.wrap_u), wrap_of(texture.wrap_v)});
+    textures.push_back({picture.width, picture.height, picture.rgba, texture.sampling});
   }
   return textures;
 }

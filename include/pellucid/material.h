@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pellucid/asset.h"
+#include "pellucid/sampling.h"
 
 namespace pellucid {
 
@@ -21,11 +22,9 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-enum class TextureWrap { repeat, mirror, clamp };
-
 struct ModelTexture {
   std::uint32_t picture = 0;  // index into Materials::pictures
-  TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+  TextureSampling sampling;
 };
 
 // How a primitive looks, beside Model::primitives[i].

@@ -27,6 +27,7 @@
 #include "pellucid/budget.h"
 #include "pellucid/mesh.h"
 #include "pellucid/raster.h"
+#include "pellucid/sampling.h"
 
 namespace pellucid {
 
@@ -61,14 +62,12 @@ struct DeviceInfo {
 
 // ----------------------------------------------------------------------------------------- what is drawn
 
-enum class Wrap { repeat, mirror, clamp };
-
 // Rows from the upper left, where texture coordinates are 0; four bytes a texel: sRGB colour and linear
-// opacity, not premultiplied. Sampled trilinearly.
+// opacity, not premultiplied.
 struct Texture {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
-  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  TextureSampling sampling{};
 };
 // What all textures of a scene take on the device, with their smaller levels: of larger ones the largest are
 // halved until they fit.

@@ -154,11 +154,36 @@ class MaterialReader {
       read.picture = *picture;
       if (const auto sampler_index = texture.find_index("sampler")) {
         const Fields sampler = root_.element("samplers", *sampler_index);
-        read.wrap_u = wrap_of(sampler, "wrapS");
-        read.wrap_v = wrap_of(sampler, "wrapT");
+        read.sampling = sampling_of(sampler);
       }
     }
     return textures_[index] = number;
+  }
+
+  static TextureSampling sampling_of(const Fields& sampler) {
+    TextureSampling sampling;
+    sampling.wrap_u = wrap_of(sampler, "wrapS");
+    sampling.wrap_v = wrap_of(sampler, "wrapT");
+    sampling.magnify = filter_of(sampler, "magFilter", sampler.index_or("magFilter", kLinear));
+    // NEAREST, LINEAR, then the four that name a filter within a level and one between levels.
+    constexpr std::uint64_t kFirstOfLevels = 9984, kMixed = 9987;
+    const std::uint64_t minify = sampler.index_or("minFilter", kMixed);
+    if (minify < kFirstOfLevels || minify > kMixed) {
+      sampling.minify = filter_of(sampler, "minFilter", minify);
+      sampling.levels = TextureLevelsUse::none;
+      return sampling;
+    }
+    const std::uint64_t choice = minify - kFirstOfLevels;
+    sampling.minify = (choice & 1U) == 0 ? TextureFilter::nearest : TextureFilter::linear;
+    sampling.levels = (choice & 2U) == 0 ? TextureLevelsUse::nearest : TextureLevelsUse::mixed;
+    return sampling;
+  }
+
+  static constexpr std::uint64_t kNearest = 9728, kLinear = 9729;
+  static TextureFilter filter_of(const Fields& sampler, const char* key, std::uint64_t filter) {
+    if (filter != kNearest && filter != kLinear)
+      sampler.fail(std::string(key) + " " + std::to_string(filter) + " does not exist");
+    return filter == kNearest ? TextureFilter::nearest : TextureFilter::linear;
   }
 
   static TextureWrap wrap_of(const Fields& sampler, const char* key) {

@@ -165,7 +165,13 @@ std::vector<float> attributes_of(const RenderScene& scene) {
   return numbers;
 }
 
-// A head of 20 words for each: sides, levels, wrap modes, where each level begins; then all texels.
+// As `shaders/interface/texture.glsl` reads it: two bits each, a bit for each filter.
+std::uint32_t packed(const TextureSampling& s) {
+  const auto bits = [](auto choice, unsigned shift) { return static_cast<std::uint32_t>(choice) << shift; };
+  return bits(s.wrap_u, 0) | bits(s.wrap_v, 2) | bits(s.levels, 4) | bits(s.magnify, 6) | bits(s.minify, 7);
+}
+
+// A head of 20 words for each: sides, levels, sampling, where each level begins; then all texels.
 std::vector<std::uint32_t> texture_words(const std::vector<TextureLevels>& textures) {
   constexpr std::size_t kHeadWords = 4 + kMostLevels;
   std::vector<std::uint32_t> words(kHeadWords * textures.size());
@@ -175,7 +181,7 @@ std::vector<std::uint32_t> texture_words(const std::vector<TextureLevels>& textu
     head[0] = texture.levels[0].width;
     head[1] = texture.levels[0].height;
     head[2] = static_cast<std::uint32_t>(texture.levels.size());
-    head[3] = static_cast<std::uint32_t>(texture.wrap_u) | static_cast<std::uint32_t>(texture.wrap_v) << 2U;
+    head[3] = packed(texture.sampling);
     for (std::size_t level = 0; level < texture.levels.size(); ++level) {
       words[kHeadWords * i + 4 + level] = static_cast<std::uint32_t>(words.size());
       const std::vector<std::uint32_t>& texels = texture.levels[level].texels;

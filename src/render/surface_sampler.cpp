@@ -20,10 +20,10 @@ Color times(const Color& a, const Color& b) {
 }
 
 // The texel that number `i` of a row of `count` is, counted on without end.
-std::int64_t texel_of(double i, std::int64_t count, Wrap wrap) {
-  if (wrap == Wrap::clamp)
+std::int64_t texel_of(double i, std::int64_t count, TextureWrap wrap) {
+  if (wrap == TextureWrap::clamp)
     return static_cast<std::int64_t>(std::clamp(i, 0.0, static_cast<double>(count - 1)));
-  const double period = static_cast<double>(wrap == Wrap::mirror ? 2 * count : count);
+  const double period = static_cast<double>(wrap == TextureWrap::mirror ? 2 * count : count);
   const auto inside = static_cast<std::int64_t>(i - period * std::floor(i / period));
   return inside < count ? inside : 2 * count - 1 - inside;
 }
@@ -35,14 +35,16 @@ Color texel(const TextureLevel& level, std::int64_t x, std::int64_t y) {
   return {linear(0), linear(8), linear(16), channel(24)};
 }
 
-Color bilinear(const TextureLevels& texture, std::size_t level_number, double u, double v) {
+Color filtered(const TextureLevels& texture, std::size_t level_number, double u, double v,
+               TextureFilter filter) {
   const TextureLevel& level = texture.levels[level_number];
   const double x = u * level.width - 0.5;
   const double y = v * level.height - 0.5;
   const auto at = [&](double column, double row) {
-    return texel(level, texel_of(column, level.width, texture.wrap_u),
-                 texel_of(row, level.height, texture.wrap_v));
+    return texel(level, texel_of(column, level.width, texture.sampling.wrap_u),
+                 texel_of(row, level.height, texture.sampling.wrap_v));
   };
+  if (filter == TextureFilter::nearest) return at(std::floor(x + 0.5), std::floor(y + 0.5));
   const double left = std::floor(x);
   const double top = std::floor(y);
   return mixed(mixed(at(left, top), at(left + 1, top), x - left),
@@ -104,12 +106,17 @@ SurfaceSampler::Color SurfaceSampler::texture_color(std::uint32_t number, const 
                       (there[1] - here[1]) * texture.levels[0].height);
   };
   const double texels = std::max(texels_to({point[0] + 1, point[1]}), texels_to({point[0], point[1] + 1}));
-  const auto last = static_cast<double>(texture.levels.size() - 1);
-  const double level = std::clamp(std::log2(std::max(texels, 1.0)), 0.0, last);
+  const auto on = [&](std::size_t level, TextureFilter filter) {
+    return filtered(texture, std::min(level, texture.levels.size() - 1), here[0], here[1], filter);
+  };
+  const TextureSampling& how = texture.sampling;
+  if (texels <= 1) return on(0, how.magnify);
+  const double level = std::log2(texels);
+  if (how.levels == TextureLevelsUse::none) return on(0, how.minify);
+  if (how.levels == TextureLevelsUse::nearest)
+    return on(static_cast<std::size_t>(std::ceil(level + 0.5) - 1), how.minify);
   const auto finer = static_cast<std::size_t>(level);
-  const std::size_t coarser = std::min(finer + 1, texture.levels.size() - 1);
-  return mixed(bilinear(texture, finer, here[0], here[1]), bilinear(texture, coarser, here[0], here[1]),
-               level - static_cast<double>(finer));
+  return mixed(on(finer, how.minify), on(finer + 1, how.minify), level - std::floor(level));
 }
 
 std::optional<SurfaceLook> SurfaceSampler::look_at(std::uint64_t pixel, NodeId node) const {

@@ -100,8 +100,7 @@ std::vector<TextureLevels> make_texture_levels(const std::vector<Texture>& textu
   std::vector<TextureLevels> result;
   for (std::size_t i = 0; i < textures.size(); ++i) {
     TextureLevels& made = result.emplace_back();
-    made.wrap_u = textures[i].wrap_u;
-    made.wrap_v = textures[i].wrap_v;
+    made.sampling = textures[i].sampling;
     Plane plane = decoded(textures[i]);
     for (std::uint32_t h = 0; h < halvings[i]; ++h) plane = halved(plane);
     for (bool last = false; !last; plane = halved(plane)) {

@@ -19,7 +19,7 @@ struct TextureLevel {
 
 struct TextureLevels {
   std::vector<TextureLevel> levels;  // from the largest one; each has half the sides, at least 1
-  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  TextureSampling sampling;
 };
 
 // Of all textures of a scene, in kMostTextureBytes. Throws Error{bad_argument} where a texture has no texels,

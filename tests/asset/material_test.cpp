@@ -146,12 +146,13 @@ TEST_F(MaterialFiles, FileBesideTheModel) {
 TEST_F(MaterialFiles, SamplersCoordinatesAndTransforms) {
   HandMade file = textured();
   embed(file, png_of(2, 2));
-  file.json["samplers"] = Json::parse(R"([{"wrapS":33071,"wrapT":33648}])");
+  file.json["samplers"] = Json::parse(R"([{"wrapS":33071,"wrapT":33648,"magFilter":9728,"minFilter":9985}])");
   file.json["textures"][0]["sampler"] = 0;
   texture_info(file)["texCoord"] = 1;
   Materials materials = read(file);
-  EXPECT_EQ(materials.textures.at(0).wrap_u, TextureWrap::clamp);
-  EXPECT_EQ(materials.textures.at(0).wrap_v, TextureWrap::mirror);
+  EXPECT_EQ(materials.textures.at(0).sampling,
+            (TextureSampling{TextureWrap::clamp, TextureWrap::mirror, TextureFilter::nearest,
+                             TextureFilter::linear, TextureLevelsUse::nearest}));
   EXPECT_EQ(materials.primitives.at(0).texcoords.at(0), (std::array<float, 2>{0.5F, 0}));
   // A quarter turn takes (1, 0) to (0, -1).
   texture_info(file)["extensions"]["KHR_texture_transform"] =

@@ -57,15 +57,15 @@ TEST(TextureReference, WrapsAsTheSamplerSays) {
   const Vec3f red{1, 0, 0};
   const Vec3f green{0, 1, 0};
   // Two texels to the right of the picture's: -1.25, -0.75 ...
-  const auto columns = [&](Wrap wrap, const std::vector<Vec3f>& row) {
-    texture.wrap_u = texture.wrap_v = wrap;
+  const auto columns = [&](TextureWrap wrap, const std::vector<Vec3f>& row) {
+    texture.sampling.wrap_u = texture.sampling.wrap_v = wrap;
     std::vector<Vec3f> colors;
     for (int i = 0; i < 4; ++i) colors.insert(colors.end(), row.begin(), row.end());
     expect_colors(textured_square(texture, 2, -1), colors);
   };
-  columns(Wrap::repeat, {red, green, red, green});
-  columns(Wrap::mirror, {green, red, red, green});
-  columns(Wrap::clamp, {red, red, red, green});
+  columns(TextureWrap::repeat, {red, green, red, green});
+  columns(TextureWrap::mirror, {green, red, red, green});
+  columns(TextureWrap::clamp, {red, red, red, green});
 }
 
 TEST(TextureReference, CutsOutWhatIsBelowTheCutoff) {
@@ -85,6 +85,29 @@ TEST(TextureReference, FarAwayItIsTheMean) {
   std::vector<Rgba> texels;
   for (std::size_t i = 0; i < 64 * 64; ++i) texels.push_back((i + i / 64) % 2 == 0 ? kRed : kGreen);
   expect_colors(textured_square(texture_of(64, 64, texels)), std::vector<Vec3f>(4, Vec3f{0.5F, 0.5F, 0}));
+}
+
+TEST(TextureReference, FiltersAsTheSamplerSays) {
+  Texture texture = texture_of(2, 2, {kRed, kGreen, kRed, kGreen});
+  const Vec3f red{1, 0, 0};
+  const Vec3f green{0, 1, 0};
+  const auto rows = [](const std::vector<Vec3f>& row) {
+    std::vector<Vec3f> colors;
+    for (std::size_t i = 0; i < row.size(); ++i) colors.insert(colors.end(), row.begin(), row.end());
+    return colors;
+  };
+  // Two pixels a texel: linear mixes a quarter of the neighbour in.
+  texture.sampling.wrap_u = texture.sampling.wrap_v = TextureWrap::clamp;
+  expect_colors(textured_square(texture), rows({red, {0.75F, 0.25F, 0}, {0.25F, 0.75F, 0}, green}));
+  texture.sampling.magnify = TextureFilter::nearest;
+  expect_colors(textured_square(texture), rows({red, red, green, green}));
+  // Two texels a pixel: a level has the mean, without levels the texel right of the middle is the one.
+  texture.sampling = {.minify = TextureFilter::nearest, .levels = TextureLevelsUse::nearest};
+  expect_colors(textured_square(texture, 2), rows({{0.5F, 0.5F, 0}, {0.5F, 0.5F, 0}}));
+  texture.sampling.levels = TextureLevelsUse::none;
+  expect_colors(textured_square(texture, 2, 0.02F), rows({green, green}));
+  texture.sampling.minify = TextureFilter::linear;
+  expect_colors(textured_square(texture, 2), rows({{0.5F, 0.5F, 0}, {0.5F, 0.5F, 0}}));
 }
 
 TEST(TextureReference, WhatDoesNotFitIsRefused) {
@@ -110,8 +133,12 @@ RenderScene textured_boxes(std::uint64_t seed) {
     }
     scene.textures.push_back(texture_of(side, side, texels));
   }
-  scene.textures[0].wrap_u = Wrap::mirror;
-  scene.textures[1].wrap_v = Wrap::clamp;
+  scene.textures[0].sampling.wrap_u = TextureWrap::mirror;
+  scene.textures[0].sampling.magnify = TextureFilter::nearest;
+  scene.textures[1].sampling.levels = TextureLevelsUse::nearest;
+  scene.textures[2].sampling.levels = TextureLevelsUse::none;
+  scene.textures[2].sampling.minify = TextureFilter::nearest;
+  scene.textures[1].sampling.wrap_v = TextureWrap::clamp;
   for (std::size_t v = 0; v < scene.positions.size(); ++v) {
     const auto number = [&](double low, double high) {
       return static_cast<float>(random.uniform(low, high));

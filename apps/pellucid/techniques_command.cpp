@@ -30,8 +30,7 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"can_cull", t.can_cull},
           {"blends_only", t.blends_only},
           {"budgeted", t.budgeted},
-          {"keeps_tail", t.keeps_tail},
-          {"msaa", t.multisampled ? nlohmann::ordered_json{1, 4} : nlohmann::ordered_json{1}}};
+          {"keeps_tail", t.keeps_tail}};
 }
 
 // Ways of --sync that the device has.

@@ -52,7 +52,6 @@ struct DeviceInfo {
   bool atomics64 = false;              // 64-bit atomics on buffers
   bool layered = false;                // vertex shaders may choose the layer of an attachment
   bool precise_queries = false;        // occlusion queries count
-  bool multisampling = false;          // RenderOptions::samples
   bool conditional = false;            // draws that depend on a query (VK_EXT_conditional_rendering)
   // Attachments that fragment shaders read in the sequence of drawing
   // (VK_EXT_rasterization_order_attachment_access), how many 128-bit ones.
@@ -134,11 +133,11 @@ enum class Overflow {
 // How fragments of a pixel that are shaded at the same time keep out of each other's way, in techniques with
 // TechniqueInfo::synchronised; what is captured is the same.
 enum class Sync {
-  automatic,  // ordered, else interlock, else atomics: the first that fits k and samples
-  atomics,    // chains of 64-bit minima: any k, any samples, two geometry passes
+  automatic,  // ordered, else interlock, else atomics: the first that fits k
+  atomics,    // chains of 64-bit minima: any k, two geometry passes
   ordered,    // attachments that are read back in the sequence of drawing; k and memory are limited by their
               // number
-  interlock   // critical sections; one sample
+  interlock   // critical sections: any k, one geometry pass
 };
 
 struct TechniqueInfo {
@@ -150,7 +149,6 @@ struct TechniqueInfo {
   std::string captures;        // in words, where it is not exact
   std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
   std::string bytes_formula;   // of a pixel
-  bool multisampled = false;   // RenderOptions::samples
   bool can_cull = false;       // RenderOptions::cull
   bool synchronised = false;   // RenderOptions::sync; else atomics, where they are needed
   bool pooled = false;         // RenderOptions::overflow
@@ -175,7 +173,7 @@ struct RenderOptions {
   Sync sync = Sync::automatic;
   // 1, or 4 at Vulkan's standard places: each sample is a pixel of its own until the picture is averaged,
   // shading, depth and fragments included, so that edges are right where surfaces intersect and coincide,
-  // too. Opaque surfaces are captured like all others then.
+  // too. Triangles are drawn once for each.
   std::uint32_t samples = 1;
   // Nodes of techniques that store in a pool; 0: as many as there are fragments. Where these are more:
   // `overflow`.

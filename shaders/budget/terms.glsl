@@ -2,14 +2,12 @@
 // include/pellucid/budget.h.
 #ifndef TERMS_GLSL
 #define TERMS_GLSL
+#include "../interface/samples.glsl"
 // D: bytes of an image, row by row, or those that the last frame left (residue.glsl).
 layout(std430, set = 0, binding = SLOT_D) readonly buffer Given { uint given[]; };
 float given_byte(uint i) { return float(given[i / 4u] >> (8u * (i % 4u)) & 255u); }
 
-vec2 place_in_picture(uint pixel) {
-  return vec2(float(pixel % frame.size.x / frame.samples) + 0.5, float(pixel / frame.size.x + frame.first_row) + 0.5);
-}
-vec2 picture_size() { return vec2(float(frame.size.x / frame.samples), frame.line.w); }
+vec2 place_of(uint pixel) { return place_in_picture(uvec2(pixel % frame.size.x, pixel / frame.size.x)); }
 
 // Fragments that it takes to halve the light, on average: with slots in this proportion as much light gets through
 // those of one pixel as through those of another.
@@ -25,7 +23,7 @@ float complexity_term(uint fragments) {
 // Equation 4; the point of interest may be anywhere, so it may get below 0.
 float periphery_term(uint pixel) {
   const vec2 size = picture_size();
-  const float d = 2.0 * length(place_in_picture(pixel) - budget.point * size) / (1.1 * length(size));
+  const float d = 2.0 * length(place_of(pixel) - budget.point * size) / (1.1 * length(size));
   return max(1.0 - pow(d, budget.falloff), 0.0);
 }
 
@@ -39,7 +37,7 @@ float fresnel_term(uint nearest) {
 // The user's, scaled to the picture.
 float image_term(uint pixel) {
   const vec2 size = vec2(float(budget.image_width), float(budget.image_height));
-  const uvec2 at = uvec2(min(place_in_picture(pixel) / picture_size() * size, size - 1.0));
+  const uvec2 at = uvec2(min(place_of(pixel) / picture_size() * size, size - 1.0));
   return given_byte(at.y * budget.image_width + at.x) / 255.0;
 }
 
@@ -50,7 +48,7 @@ float residue_term(uint pixel) { return exp2((given_byte(pixel) - 128.0) / 32.0)
 // Call of Duty: Advanced Warfare", SIGGRAPH 2014).
 float noise_term(uint pixel) {
   if (budget.noise == 0.0) return 0.0;
-  const vec2 at = floor(place_in_picture(pixel));
+  const vec2 at = floor(place_of(pixel));
   return budget.noise * (fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715)))) - 0.5);
 }
 #endif

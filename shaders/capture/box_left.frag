@@ -1,7 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
-#include "../interface/sample_index.glsl"
 // Far side of the box of a group of triangles (src/render/culling.h): does the box, at this pixel, reach into the
 // depths that are not peeled? With the depth test (IMAGE_1: the last layer) these are all from that layer on, for
 // coplanar fragments may be left there; without it (SEARCH, A) those from the near to the far end at hand.
@@ -53,5 +52,5 @@ bool is_left(uint pixel) { return gl_FragCoord.z >= texelFetch(layer, ivec2(gl_F
 #endif
 
 void main() {
-  if (!is_left(fragment_pixel())) discard;
+  if (!is_left(pixel_index(uvec2(gl_FragCoord.xy)))) discard;
 }

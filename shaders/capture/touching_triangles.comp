@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
+#include "../interface/samples.glsl"
 #include "marked_tiles.glsl"
 // Which triangles of a range touch tiles of 8 x 8 pixels that are marked: an index buffer of them, in any sequence.
 // push.first_triangle, p0 triangles; p1: the range, whose draw has five words of arguments.
@@ -12,7 +13,7 @@ layout(std430, set = 0, binding = SLOT_STATE_GROUP) writeonly buffer TouchingInd
 layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer Arguments { uint arguments[]; };
 
 const int kMostTiles = 1024;  // larger triangles are taken as they are
-const float kSlack = 1.0;     // pixels, more than rasterisation rounds
+const float kSlack = 1.0;     // pixels, more than rasterisation rounds and samples lie apart
 
 vec4 clip_of(uint vertex) {
   return frame.clip_from_world *
@@ -20,8 +21,22 @@ vec4 clip_of(uint vertex) {
 }
 
 vec2 pixel_of(vec4 clip) {
-  const vec2 whole = (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size.x, frame.line.w);
+  const vec2 whole = (clip.xy / clip.w * 0.5 + 0.5) * picture_size();
   return whole - vec2(0.0, float(frame.first_row));
+}
+
+// Of the band's copy that begins at `row`: are any tiles marked between `low` and `high`?
+bool any_marked(vec2 low, vec2 high, float row) {
+  const ivec2 tiles = ivec2(tiles_of_picture());
+  const ivec2 first = ivec2(low + vec2(0.0, row)) / 8;
+  const ivec2 last = min(ivec2(high + vec2(0.0, row)) / 8, tiles - 1);
+  if ((last.x - first.x + 1) * (last.y - first.y + 1) > kMostTiles) return true;
+  for (int y = first.y; y <= last.y; ++y) {
+    for (int x = first.x; x <= last.x; ++x) {
+      if (is_marked_tile(uint(y * tiles.x + x))) return true;
+    }
+  }
+  return false;
 }
 
 bool touches(vec4 a, vec4 b, vec4 c) {
@@ -31,15 +46,10 @@ bool touches(vec4 a, vec4 b, vec4 c) {
   const vec2 pc = pixel_of(c);
   const vec2 low = min(pa, min(pb, pc)) - kSlack;
   const vec2 high = max(pa, max(pb, pc)) + kSlack;
-  if (any(lessThan(high, vec2(0.0))) || any(greaterThan(low, vec2(frame.size)))) return false;
-  const ivec2 tiles = ivec2(tiles_of_picture());
-  const ivec2 first = ivec2(max(low, vec2(0.0))) / 8;
-  const ivec2 last = min(ivec2(min(high, vec2(frame.size))) / 8, tiles - 1);
-  if ((last.x - first.x + 1) * (last.y - first.y + 1) > kMostTiles) return true;
-  for (int y = first.y; y <= last.y; ++y) {
-    for (int x = first.x; x <= last.x; ++x) {
-      if (is_marked_tile(uint(y * tiles.x + x))) return true;
-    }
+  const vec2 band = vec2(float(frame.size.x), float(rows_of_band()));
+  if (any(lessThan(high, vec2(0.0))) || any(greaterThan(low, band))) return false;
+  for (uint s = 0u; s < frame.samples; ++s) {
+    if (any_marked(max(low, vec2(0.0)), min(high, band), float(s) * band.y)) return true;
   }
   return false;
 }

@@ -2,7 +2,7 @@
 #ifndef FRAGMENT_INPUT_GLSL
 #define FRAGMENT_INPUT_GLSL
 #include "opaque.glsl"
-#include "sample_index.glsl"
+#include "samples.glsl"
 #include "texture.glsl"
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
@@ -33,6 +33,8 @@ uint fragment_triangle() { return touching[push.first_triangle + uint(gl_Primiti
 uint fragment_triangle() { return push.first_triangle + uint(gl_PrimitiveID); }
 #endif
 
+uint fragment_pixel() { return pixel_index(uvec2(gl_FragCoord.xy)); }
+
 uint fragment_id() {
   return 2u * (triangles[fragment_triangle()].id + 1u) + (gl_FrontFacing ? 0u : 1u);
 }
@@ -40,7 +42,7 @@ uint fragment_id() {
 vec2 screen_of(uint vertex) {
   const vec4 clip = frame.clip_from_world * vec4(positions[3u * vertex], positions[3u * vertex + 1u],
                                                  positions[3u * vertex + 2u], 1.0);
-  return (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size.x / frame.samples, frame.line.w);
+  return (clip.xy / clip.w * 0.5 + 0.5) * picture_size();
 }
 
 float distance_to_line(vec2 p, vec2 a, vec2 b) {
@@ -55,7 +57,7 @@ float edge_share() {
   const vec2 a = screen_of(indices[corner]);
   const vec2 b = screen_of(indices[corner + 1u]);
   const vec2 c = screen_of(indices[corner + 2u]);
-  const vec2 p = gl_FragCoord.xy + vec2(0.0, float(frame.first_row));
+  const vec2 p = place_in_picture(uvec2(gl_FragCoord.xy));
   const float d = min(distance_to_line(p, a, b), min(distance_to_line(p, b, c), distance_to_line(p, c, a)));
   return 1.0 - smoothstep(0.3, 1.1, d);
 }

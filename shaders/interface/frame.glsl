@@ -57,13 +57,13 @@ layout(std430, set = 0, binding = SLOT_FRAME) readonly buffer Frame {
   vec4 fill_light;  // direction to it
   vec4 background;  // linear
   vec4 planes;      // near, far, 1 / near, 1 / far
-  uvec2 size;       // pixels of the picture, or of the band of it that is drawn
+  uvec2 size;       // samples of the picture, or of the band of it that is drawn
   uint objects;
   uint capacity;    // nodes of the fragment pool
   vec4 line;        // wireframe: colour, half width in pixels
   uint first_row;   // of the band
   uint csg;         // 0: union, 1: intersection, 2: difference
-  uint samples;     // of a pixel: `size` counts them as columns
+  uint samples;     // of a pixel: `size` has the band as often, below each other (samples.glsl)
 } frame;
 
 struct Fragment {

@@ -1,6 +1,6 @@
 // Textures as words of a buffer, so that a draw may use any number of them of any size. Each has a head of 20 words:
-// sides, levels, sampling (bits: wrap modes 0..1, 2..3; use of levels 4..5; filters 6, 7), where each level begins. A texel has eight bits a channel: linear colour in
-// gamma 2, opacity.
+// sides, levels, sampling (bits: wrap modes 0..1, 2..3; use of levels 4..5; filters 6, 7), where each level begins. A
+// texel has eight bits a channel: linear colour in gamma 2, opacity.
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 layout(std430, set = 0, binding = SLOT_TEXTURES) readonly buffer Textures { uint texture_words[]; };

@@ -28,11 +28,10 @@ const OrderedLayout& Pipelines::ordered(std::uint32_t attachments) {
 const ScenePipeline& Pipelines::scene(const GraphicsSpec& given) {
   GraphicsSpec spec = given;
   spec.constants = with_features(given.constants);
-  spec.samples = samples_;
-  std::string key = fmt::format("{} {} {} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
+  std::string key = fmt::format("{} {} {} {} {} {} {} {}", spec.vertex_shader, spec.fragment_shader,
                                 static_cast<int>(spec.blend), static_cast<int>(spec.depth),
                                 static_cast<int>(spec.depth_test), spec.depth_write,
-                                static_cast<int>(spec.stencil), spec.clamp_depth, spec.samples);
+                                static_cast<int>(spec.stencil), spec.clamp_depth);
   for (const VkFormat format : spec.colors) key.append(" c").append(std::to_string(static_cast<int>(format)));
   append(key, spec.constants);
   const auto found = scene_.find(key);
@@ -63,8 +62,9 @@ Image Frame::make_image(const std::string& name, VkFormat format, std::uint32_t 
 }
 
 Attachments Frame::attachments() const {
-  return {.width = width / options.samples,
+  return {.width = width,
           .height = height,
+          .samples = options.samples,
           .first_row = static_cast<std::int32_t>(first_row),
           .picture_height = picture_height};
 }

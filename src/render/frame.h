@@ -28,7 +28,6 @@ class Pipelines {
   explicit Pipelines(Context& context) : context_(context) {}
   // Of all that is asked for from now on: a sum of Feature.
   void use_features(std::uint32_t features) { features_ = features; }
-  void use_samples(std::uint32_t samples) { samples_ = samples; }
   const OrderedLayout& ordered(std::uint32_t attachments);
   const ScenePipeline& scene(const GraphicsSpec& spec);
   const OwnedPipeline& compute(std::string_view shader, const Constants& constants);
@@ -38,7 +37,6 @@ class Pipelines {
 
   Context& context_;
   std::uint32_t features_ = 0;
-  std::uint32_t samples_ = 1;
   std::map<std::uint32_t, OrderedLayout> ordered_;
   std::map<std::string, ScenePipeline> scene_;
   std::map<std::string, OwnedPipeline> compute_;
@@ -55,9 +53,10 @@ struct Frame {
   Pipelines& pipelines;
   const GpuScene& scene;
   const RenderOptions& options;
-  std::uint32_t effect = 0;                         // kEffect
-  Sync sync = Sync::automatic;                      // of techniques that have a choice
-  std::uint32_t width = 0, height = 0;              // of the band; samples of a pixel are columns
+  std::uint32_t effect = 0;     // kEffect
+  Sync sync = Sync::automatic;  // of techniques that have a choice
+  // Of the band; with several samples of a pixel, of as many copies of it below each other.
+  std::uint32_t width = 0, height = 0;
   std::uint32_t first_row = 0, picture_height = 0;  // where it lies
   std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
   std::span<const std::uint32_t> counts{};          // of every pixel
@@ -68,6 +67,10 @@ struct Frame {
   std::uint64_t technique_bytes = 0;
 
   [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t{width} * height; }
+  // Where a sample of a pixel of the band lies among pixels().
+  [[nodiscard]] std::uint64_t sample_at(std::uint64_t pixel, std::uint32_t sample) const {
+    return sample * (pixels() / options.samples) + pixel;
+  }
   // Nodes of a pool.
   [[nodiscard]] std::uint64_t capacity() const {
     return options.pool != 0 ? std::min(options.pool, std::max<std::uint64_t>(fragments, 1)) : fragments;

@@ -10,9 +10,7 @@ namespace pellucid::render {
 class OpaqueLayer {
  public:
   // Is there something to draw before the effect can be captured?
-  static bool needed(const Frame& frame) {
-    return blends(frame.options.effect) && frame.scene.has_opaque() && frame.options.samples == 1;
-  }
+  static bool needed(const Frame& frame) { return blends(frame.options.effect) && frame.scene.has_opaque(); }
   // With nothing to draw it is an image of a single pixel, which no shader looks at.
   explicit OpaqueLayer(const Frame& frame);
   void draw(const Frame& frame, Recorder& recorder) const;

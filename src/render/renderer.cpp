@@ -111,8 +111,8 @@ render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& b
           .options = job.options,
           .effect = job.effect,
           .sync = job.sync,
-          .width = job.camera.width * job.options.samples,
-          .height = band.rows,
+          .width = job.camera.width,
+          .height = band.rows * job.options.samples,
           .first_row = band.first_row,
           .picture_height = job.camera.height,
           .counters = render::Buffer(context, "counters", sizeof(render::Counters)),
@@ -165,7 +165,6 @@ void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& 
   opaque.emplace(frame);
   scene->draw_only(true);
   pipelines.use_features(scene->features());
-  pipelines.use_samples(job.options.samples);
   const render::FrameData data = render::frame_data(job.camera, frame);
   render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
   run(job, frame, stats, [&](render::Recorder& recorder) {
@@ -321,10 +320,12 @@ void Renderer::Implementation::read_picture(const render::Frame& frame, RenderRe
   std::vector<std::array<float, 4>> values(frame.pixels());
   picture.download(context, std::as_writable_bytes(std::span(values)));
   const std::uint32_t samples = frame.options.samples;
-  for (std::size_t first = 0; first < values.size(); first += samples) {
+  for (std::size_t p = 0; p < values.size() / samples; ++p) {
     Vec3f sum{0, 0, 0};
-    for (std::size_t i = first; i < first + samples; ++i)
-      sum = sum + Vec3f{values[i][0], values[i][1], values[i][2]};
+    for (std::uint32_t s = 0; s < samples; ++s) {
+      const std::array<float, 4>& value = values[frame.sample_at(p, s)];
+      sum = sum + Vec3f{value[0], value[1], value[2]};
+    }
     result.pixels.push_back(sum * (1.0F / static_cast<float>(samples)));
   }
 }
@@ -336,7 +337,9 @@ void Renderer::Implementation::read_fragments(const render::Frame& frame,
   dump.download(context, std::as_writable_bytes(std::span(values)), 4 * offsets.size());
   CapturedFragments& out = result.fragments;
   if (out.offsets.empty()) out.offsets.push_back(0);
-  for (std::size_t p = 0; p + 1 < offsets.size(); ++p) {
+  const std::uint32_t samples = frame.options.samples;
+  for (std::size_t n = 0; n + 1 < offsets.size(); ++n) {
+    const std::uint64_t p = frame.sample_at(n / samples, static_cast<std::uint32_t>(n % samples));
     for (std::uint32_t i = offsets[p]; i < offsets[p + 1]; ++i) {
       // Places that the technique left empty have no id.
       if (values[i][1] != 0) out.fragments.push_back({std::bit_cast<float>(values[i][0]), values[i][1] - 2});
@@ -355,7 +358,9 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
     draw_band(job, {band.first_row + upper, band.rows - upper}, result);
   };
   render::Frame frame = make_frame(job, band);
-  if (band.rows > 1 && (32 * frame.pixels() > most || frame.tiles() > kMostTiles)) return halves();
+  const bool too_large =
+      32 * frame.pixels() > most || frame.tiles() > kMostTiles || frame.height > context.info().max_side;
+  if (band.rows > 1 && too_large) return halves();
   CaptureStats before;
   draw_opaque(job, frame, before);
   CaptureStats counting;
@@ -498,16 +503,6 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
 }
 
 void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
-  if (options.samples > 1 && !technique.multisampled) {
-    throw Error(
-        ErrorKind::bad_argument,
-        fmt::format("--samples: --technique {} keeps a fragment in an attachment, which has one sample",
-                    technique.name));
-  }
-  if (options.samples > 1 && !device.multisampling) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--samples: {} has no 4 samples without attachments", device.name));
-  }
   if (options.cull && !technique.can_cull) {
     throw Error(
         ErrorKind::bad_argument,

@@ -239,7 +239,6 @@ TEST_F(BoundedMemory, SequenceAndThreadsDoNotMatter) {
 }
 
 TEST_F(BoundedMemory, Samples) {
-  if (!testing::test_renderer().info().multisampling) GTEST_SKIP();
   const RenderScene scene = testing::random_stack(35, 40);
   const RenderResult expected = draw(scene, {.technique = "sb", .samples = 4, .plain_resolve = true}, 12);
   const RenderResult result = draw(

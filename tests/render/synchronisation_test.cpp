@@ -103,10 +103,6 @@ TEST_F(Synchronisation, WhatDoesNotFitIsRefusedOrReplaced) {
   EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .k = 64}).stats.sync,
             info.interlock ? Sync::interlock : Sync::atomics);
   EXPECT_EQ(renderer.draw(camera, {.technique = "sb", .sync = Sync::ordered}).stats.sync, Sync::automatic);
-  if (!info.multisampling) return;
-  EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::ordered, .samples = 4}),
-              ::testing::HasSubstr("one sample"));
-  EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .samples = 4}).stats.sync, Sync::atomics);
 }
 
 // The chain of atomic minima, with keys of a few pixels inserted by thousands of invocations at once.

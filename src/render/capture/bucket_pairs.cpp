@@ -70,7 +70,6 @@ TechniqueEntry uniform_buckets() {
            .captures = "two of every bucket",
            .passes_formula = "3",
            .bytes_formula = "24 K + 8",
-           .multisampled = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<BucketPairs>(false)); }};
 }
@@ -83,7 +82,6 @@ TechniqueEntry adaptive_buckets() {
            .captures = "two of every bucket",
            .passes_formula = "4",
            .bytes_formula = "28 K + 136",
-           .multisampled = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<BucketPairs>(true)); }};
 }

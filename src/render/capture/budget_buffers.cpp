@@ -96,8 +96,10 @@ class BudgetBuffer : public Technique {
     }
     if (!frame.options.maps) return;
     const std::vector<float> seen = blocks_ ? std::vector<float>(counts.size()) : importance(frame);
-    result.maps.importance.insert(result.maps.importance.end(), seen.begin(), seen.end());
-    for (std::size_t p = 0; p < counts.size(); ++p) {
+    const std::uint32_t samples = frame.options.samples;
+    for (std::size_t n = 0; n < counts.size(); ++n) {
+      const std::uint64_t p = frame.sample_at(n / samples, static_cast<std::uint32_t>(n % samples));
+      result.maps.importance.push_back(seen[p]);
       result.maps.k.push_back(counts[p] > 0 ? slots[p] : 0);
       result.maps.lost.push_back(counts[p] - std::min(counts[p], slots[p]));
     }
@@ -269,7 +271,6 @@ TechniqueEntry fixed_k() {
            .captures = "the k nearest of a pixel; the others blended without order",
            .passes_formula = "2",
            .bytes_formula = "8 k + 8",
-           .multisampled = true,
            .budgeted = true,
            .keeps_tail = true,
            .needs_atomics64 = true},
@@ -284,7 +285,6 @@ TechniqueEntry k_plus() {
            .captures = "the k nearest of a pixel; the others blended without order",
            .passes_formula = "3",
            .bytes_formula = "8 min(N, k + 1) + 4",
-           .multisampled = true,
            .budgeted = true,
            .keeps_tail = true,
            .needs_atomics64 = true},
@@ -299,7 +299,6 @@ TechniqueEntry variable_k() {
            .captures = "the k(p) nearest of a pixel; the others blended without order",
            .passes_formula = "3",
            .bytes_formula = "8 min(N, k(p) + 1) + 4",
-           .multisampled = true,
            .budgeted = true,
            .keeps_tail = true,
            .needs_atomics64 = true},

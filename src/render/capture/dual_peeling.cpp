@@ -67,7 +67,6 @@ TechniqueEntry f2b_2p() {
            .captures = "all",
            .passes_formula = "2 sum of ceil(C / 2) + 1",
            .bytes_formula = "104",
-           .multisampled = true,
            .can_cull = true},
           make<LayerStorage::pairs, 1>};
 }
@@ -80,7 +79,6 @@ TechniqueEntry dual() {
            .captures = "of fragments at one depth one: of the smallest id in front, of the largest behind",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "96",
-           .multisampled = true,
            .can_cull = true,
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2, false>};
@@ -93,7 +91,6 @@ TechniqueEntry dual_2p() {
            .captures = "all",
            .passes_formula = "1 + 1 to 2 times the sum of ceil(C / 2)",
            .bytes_formula = "204",
-           .multisampled = true,
            .can_cull = true},
           make<LayerStorage::pairs, 2>};
 }
@@ -105,7 +102,6 @@ TechniqueEntry dual_ll() {
            .captures = "all that the pool has room for",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "12 N + 92",
-           .multisampled = true,
            .can_cull = true},
           make<LayerStorage::lists, 2>};
 }
@@ -117,7 +113,6 @@ TechniqueEntry dual_kb() {
            .captures = "all",
            .passes_formula = "1 + half to all of the sum of ceil(C / K)",
            .bytes_formula = "16 K + 100",
-           .multisampled = true,
            .can_cull = true,
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2>};
@@ -132,7 +127,6 @@ TechniqueEntry dual_fab() {
            .captures = "of more than k fragments at one depth, those drawn first",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "16 K + 92",
-           .multisampled = true,
            .can_cull = true},
           make<LayerStorage::arrays, 2>};
 }

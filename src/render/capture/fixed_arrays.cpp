@@ -41,8 +41,7 @@ TechniqueEntry fixed_arrays() {
            .order_free = false,
            .captures = "of a pixel with more than k fragments, those drawn first",
            .passes_formula = "1",
-           .bytes_formula = "12 K + 4",
-           .multisampled = true},
+           .bytes_formula = "12 K + 4"},
           [] { return std::unique_ptr<Technique>(std::make_unique<FixedArrays>()); }};
 }
 

@@ -56,7 +56,6 @@ TechniqueEntry linked_lists() {
            .captures = "all that the pool has room for",
            .passes_formula = "1",
            .bytes_formula = "16 N + 4",
-           .multisampled = true,
            .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(false)); }};
 }
@@ -68,7 +67,6 @@ TechniqueEntry bucketed_lists() {
            .captures = "all that the pool has room for",
            .passes_formula = "2",
            .bytes_formula = "16 N + 4 K + 8",
-           .multisampled = true,
            .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(true)); }};
 }

@@ -92,7 +92,6 @@ TechniqueEntry k_buffer() {
            .captures = "the k nearest of a pixel",
            .passes_formula = "1 or 2",
            .bytes_formula = "12 K",
-           .multisampled = true,
            .synchronised = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<NearestK>()); }};

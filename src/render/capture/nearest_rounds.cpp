@@ -124,7 +124,6 @@ TechniqueEntry multi_k_buffer() {
        .captures = "all",
        .passes_formula = "1 + 2 ceil(N / K)",
        .bytes_formula = "12 min(N, K) + 44",
-       .multisampled = true,
        .budgeted = true,
        .needs_atomics64 = true},
       [] {

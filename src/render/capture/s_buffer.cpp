@@ -47,7 +47,6 @@ TechniqueEntry s_buffer() {
            .captures = "all that the pool has room for",
            .passes_formula = "2",
            .bytes_formula = "12 N + 8",
-           .multisampled = true,
            .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<SBuffer>()); }};
 }

@@ -10,7 +10,6 @@ namespace {
 std::string obstacle(Sync sync, const RenderOptions& options, const DeviceInfo& device) {
   if (sync == Sync::atomics)
     return device.atomics64 ? "" : "64-bit atomics, which " + device.name + " has not";
-  if (options.samples > 1) return "one sample a pixel";
   if (sync == Sync::interlock)
     return device.interlock ? "" : "VK_EXT_fragment_shader_interlock, which " + device.name + " has not";
   if (device.ordered_attachments == 0)

@@ -132,7 +132,6 @@ std::string unfit(VkPhysicalDevice device, const VkPhysicalDeviceProperties& pro
   vkGetPhysicalDeviceFeatures(device, &features);
   if (features.geometryShader == VK_FALSE) return "does not number triangles (geometryShader)";
   if (features.independentBlend == VK_FALSE) return "cannot blend attachments differently";
-  if (features.sampleRateShading == VK_FALSE) return "does not shade samples (sampleRateShading)";
   if (features.fragmentStoresAndAtomics == VK_FALSE) return "cannot store from fragment shaders";
   return "";
 }
@@ -259,8 +258,6 @@ void Context::read_info(std::uint64_t most_buffer_bytes) {
   const auto& limits = properties.properties.limits;
   nanoseconds_per_tick_ = static_cast<double>(limits.timestampPeriod);
   info_.name = properties.properties.deviceName;
-  info_.multisampling = (limits.framebufferNoAttachmentsSampleCounts & VK_SAMPLE_COUNT_4_BIT) != 0 &&
-                        limits.standardSampleLocations == VK_TRUE;
   info_.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   info_.cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info_.max_buffer_bytes = limits.maxStorageBufferRange;
@@ -322,7 +319,6 @@ void Context::create_device() {
       .pNext = &features12,
       .features = {.independentBlend = VK_TRUE,
                    .geometryShader = VK_TRUE,  // gl_PrimitiveID in fragment shaders
-                   .sampleRateShading = VK_TRUE,
                    .depthClamp = info_.conditional ? VK_TRUE : VK_FALSE,
                    .occlusionQueryPrecise = info_.precise_queries ? VK_TRUE : VK_FALSE,
                    .fragmentStoresAndAtomics = VK_TRUE,

@@ -141,9 +141,7 @@ ScenePipeline make_scene_pipeline(Context& context, const GraphicsSpec& spec) {
       .lineWidth = 1};
   const VkPipelineMultisampleStateCreateInfo samples{
       .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-      .rasterizationSamples = spec.samples == 4 ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT,
-      .sampleShadingEnable = spec.samples > 1 ? VK_TRUE : VK_FALSE,
-      .minSampleShading = 1};
+      .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
   const VkPipelineDepthStencilStateCreateInfo depth = depth_state(spec);
   const std::vector<VkPipelineColorBlendAttachmentState> blends(spec.colors.size(), blend_state(spec.blend));
   constexpr auto kInOrder =

@@ -40,7 +40,6 @@ struct GraphicsSpec {
   bool depth_write = false;
   std::string_view vertex_shader = "interface/scene.vert";
   Stencil stencil = Stencil::none;
-  std::uint32_t samples = 1;               // each is shaded by itself
   bool clamp_depth = false;                // in place of clipping at the near and the far plane
   const OrderedLayout* ordered = nullptr;  // the colours are ordered attachments
 };

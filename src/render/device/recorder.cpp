@@ -7,6 +7,15 @@
 #include "../gpu_scene.h"
 
 namespace pellucid::render {
+namespace {
+
+// Vulkan's standard places of four samples in a pixel, as in shaders/interface/samples.glsl. Samples are
+// drawn as pictures of their own: what is kept in attachments of integers, or by stencils, has them as well,
+// which multisampled images on lavapipe have not.
+constexpr std::array<std::array<float, 2>, 4> kSamplePlaces{
+    {{0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}}};
+
+}  // namespace
 
 Recorder::Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused, VkQueryPool timestamps)
     : context_(context), commands_(commands), timestamps_(timestamps) {
@@ -141,9 +150,8 @@ void Recorder::draw(const GpuScene& scene, const ScenePipeline& pipeline, const 
                                   .pStencilAttachment = attachments.stencil ? &depth : nullptr};
   vkCmdBeginRendering(commands_, &rendering);
   if (attachments.number_stencils) number_stencils(area, attachments.layers);
-  set_window(attachments);
   push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
-  draw_triangles(scene, pipeline, attachments.layers, some);
+  for_each_sample(attachments, [&] { draw_triangles(scene, pipeline, attachments.layers, some); });
   vkCmdEndRendering(commands_);
 }
 
@@ -161,12 +169,11 @@ void Recorder::draw_ordered(const GpuScene& scene, const ScenePipeline& pipeline
                                     .clearValueCount = layout.attachments(),
                                     .pClearValues = clears.data()};
   vkCmdBeginRenderPass(commands_, &begin, VK_SUBPASS_CONTENTS_INLINE);
-  set_window(window);
   push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
   const VkDescriptorSet set = target.set();
   vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 1, 1, &set, 0,
                           nullptr);
-  draw_triangles(scene, pipeline, 1, nullptr);
+  for_each_sample(window, [&] { draw_triangles(scene, pipeline, 1, nullptr); });
   vkCmdEndRenderPass(commands_);
 }
 
@@ -196,16 +203,21 @@ void Recorder::draw_triangles(const GpuScene& scene, const ScenePipeline& pipeli
   }
 }
 
-void Recorder::set_window(const Attachments& attachments) {
-  // A band is a window on the whole picture: moved by whole pixels, nothing rasterises differently.
-  const VkViewport viewport{.x = 0,
-                            .y = -static_cast<float>(attachments.first_row),
+void Recorder::set_window(const Attachments& attachments, std::uint32_t sample) {
+  const std::uint32_t rows = attachments.height / attachments.samples;
+  const std::array<float, 2> place =
+      attachments.samples == 1 ? std::array{0.5F, 0.5F} : kSamplePlaces.at(sample);
+  // A band is a window on the whole picture: moved by whole pixels, nothing rasterises differently. A sample
+  // moves it by eighths, so that the sample's place gets where the centre of the pixel is.
+  const auto top = static_cast<std::int32_t>(sample * rows);
+  const VkViewport viewport{.x = 0.5F - place[0],
+                            .y = static_cast<float>(top - attachments.first_row) + 0.5F - place[1],
                             .width = static_cast<float>(attachments.width),
                             .height = static_cast<float>(attachments.picture_height),
                             .minDepth = 0,
                             .maxDepth = 1};
   vkCmdSetViewport(commands_, 0, 1, &viewport);
-  const VkRect2D area{.offset = {0, 0}, .extent = {attachments.width, attachments.height}};
+  const VkRect2D area{.offset = {0, top}, .extent = {attachments.width, rows}};
   vkCmdSetScissor(commands_, 0, 1, &area);
 }
 
@@ -258,7 +270,6 @@ void Recorder::draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeli
       .renderArea = {.offset = {0, 0}, .extent = {attachments.width, attachments.height}},
       .layerCount = 1};
   vkCmdBeginRendering(commands_, &rendering);
-  set_window(attachments);
   push_state(VK_PIPELINE_BIND_POINT_GRAPHICS);
   const std::array<VkBuffer, 2> vertices{boxes.corners.get(), boxes.corners.get()};
   const std::array<VkDeviceSize, 2> offsets{};
@@ -270,7 +281,9 @@ void Recorder::draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeli
     push_words();
     begin_if(boxes.predicates, i);
     vkCmdBeginQuery(commands_, boxes.queries, i, 0);
-    vkCmdDrawIndexed(commands_, boxes.index_count, 1, 0, static_cast<std::int32_t>(8 * i), 0);
+    for_each_sample(attachments, [&] {
+      vkCmdDrawIndexed(commands_, boxes.index_count, 1, 0, static_cast<std::int32_t>(8 * i), 0);
+    });
     vkCmdEndQuery(commands_, boxes.queries, i);
     end_if();
   }

@@ -69,6 +69,7 @@ struct Attachments {
   bool stencil = false;                 // `depth` has one, which is used
   bool number_stencils = false;         // with `clear`: they start at their layer + 2
   std::uint32_t width = 0, height = 0;  // of the pass
+  std::uint32_t samples = 1;            // of a pixel: so many copies of the band below each other
   std::int32_t first_row = 0;           // of the band in the picture
   std::uint32_t picture_height = 0;
   std::uint32_t layers = 1;  // more: one instance to each
@@ -145,7 +146,15 @@ class Recorder {
   void push_words();
   void draw_triangles(const GpuScene& scene, const ScenePipeline& pipeline, std::uint32_t layers,
                       const SomeTriangles* some);
-  void set_window(const Attachments& attachments);
+  void set_window(const Attachments& attachments, std::uint32_t sample);
+  // The window of each sample in turn.
+  template <class Draw>
+  void for_each_sample(const Attachments& attachments, const Draw& draw) {
+    for (std::uint32_t sample = 0; sample < attachments.samples; ++sample) {
+      set_window(attachments, sample);
+      draw();
+    }
+  }
   void bind_range(const DrawRange& range, const ScenePipeline& pipeline);
   void draw_range(const DrawRange& range, const ScenePipeline& pipeline, std::uint32_t layers);
   void write_timestamp();

@@ -208,6 +208,30 @@ TEST(Failures, SmallBuffersCutThePictureIntoBands) {
   EXPECT_TRUE(limited.validation_messages().empty());
 }
 
+// Opaque surfaces, marks and samples of each band for itself.
+TEST(Failures, BandsHaveOpaqueSurfacesAndSamples) {
+  RenderScene scene = testing::random_boxes(8, 10, 3);
+  scene.surfaces[1].opaque = true;
+  const Camera camera = look_at_sphere({{0.5, 0.5, 0.5}, 0.9}, {normalized(Vec3d{1, 2, 3}), 3}, 20, 27);
+  Renderer limited({.device = testing::test_renderer().info().name,
+                    .validate = testing::validation_is_on(),
+                    .max_buffer_bytes = 12'000});
+  limited.load(scene);
+  testing::test_renderer().load(scene);
+  for (const char* technique : {"sb", "f2b-3p", "verified"}) {
+    for (const std::uint32_t samples : {1U, 4U}) {
+      const RenderOptions options{
+          .technique = technique, .effect = Effect::wireframe, .samples = samples, .plain_resolve = true};
+      const RenderResult expected = testing::test_renderer().draw(camera, options);
+      const RenderResult result = limited.draw(camera, options);
+      EXPECT_EQ(result.pixels, expected.pixels) << technique << ' ' << samples;
+      EXPECT_EQ(result.stats.captured, expected.stats.captured) << technique << ' ' << samples;
+      EXPECT_GT(result.stats.geometry_passes, expected.stats.geometry_passes);
+    }
+  }
+  EXPECT_TRUE(limited.validation_messages().empty());
+}
+
 // A row of pixels is the least that a picture can be cut into.
 TEST(Failures, BuffersForLessThanARowAreRefused) {
   Renderer limited({.device = testing::test_renderer().info().name, .max_buffer_bytes = 8000});

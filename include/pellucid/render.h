@@ -205,7 +205,8 @@ struct CaptureStats {
   std::uint64_t overflowed = 0;  // that found no place
   // Verified blending: pixels (or samples) where the sequence of drawing was not the order of depths.
   std::uint64_t repaired_pixels = 0;
-  bool pool_exceeded = false;  // RenderOptions::overflow decided what became of them
+  bool pool_exceeded =
+      false;  // RenderOptions::overflow decided what became of them, or they were captured again
   std::uint64_t coplanar = 0;  // captured ones at the depth of another one of their pixel
   std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
   std::uint64_t deepest_pixel = 0;  // most fragments of a pixel

@@ -10,10 +10,12 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "capture/nearest_rounds.h"
 #include "capture/synchronisation.h"
 #include "capture/technique.h"
+#include "checks.h"
 #include "culling.h"
 #include "effects.h"
 #include "frame.h"
@@ -65,9 +67,12 @@ struct Renderer::Implementation {
   // Throws Error{internal} when the device is gone.
   void refuse_if_lost() const;
   void draw_band(const Job& job, const Band& band, RenderResult& result);
-  // Where the pool of the technique that was asked for does not suffice.
+  // Where the pool of the technique that was asked for does not suffice, or its loops.
   [[nodiscard]] std::unique_ptr<render::Technique> make_for_small_pool(const Job& job,
                                                                        const render::Frame& frame) const;
+  // Again with that, without what `result` got of the band since `before`.
+  void capture_again(const Job& job, const Band& band, const render::Frame& first, const CaptureStats& before,
+                     RenderResult& result, const std::vector<std::uint32_t>& counts);
   render::Frame make_frame(const Job& job, const Band& band);
   // What is opaque, where the effect blends; afterwards the rest remains to be drawn.
   void draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats);
@@ -386,7 +391,33 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
     result.stats.milliseconds += counting.milliseconds;
     result.stats.geometry_passes += counting.geometry_passes;
   }
+  const CaptureStats before_capture = result.stats;
   capture(job, frame, *technique, result, counts);
+  // Layers may be larger than a pool that they share one after the other, and loops of a driver may end
+  // early: what is lost then would depend on the sequence of drawing.
+  const bool lost = !pool_exceeded && result.stats.overflowed > before_capture.overflowed;
+  if (lost && job.technique.info.exact && context.info().atomics64)
+    capture_again(job, band, frame, before_capture, result, counts);
+}
+
+void Renderer::Implementation::capture_again(const Job& job, const Band& band, const render::Frame& first,
+                                             const CaptureStats& before, RenderResult& result,
+                                             const std::vector<std::uint32_t>& counts) {
+  const CaptureStats in_vain = std::exchange(result.stats, before);
+  result.stats.milliseconds = in_vain.milliseconds;
+  result.stats.geometry_passes = in_vain.geometry_passes;
+  result.stats.pool_exceeded = true;
+  const std::size_t pixels = std::size_t{job.camera.width} * band.first_row;
+  result.pixels.resize(std::min(result.pixels.size(), pixels));
+  std::vector<std::uint64_t>& offsets = result.fragments.offsets;
+  offsets.resize(offsets.empty() ? 0 : pixels * job.options.samples + 1);
+  result.fragments.fragments.resize(offsets.empty() ? 0 : offsets.back());
+  render::Frame frame = make_frame(job, band);
+  frame.fragments = first.fragments;
+  frame.deepest = first.deepest;
+  frame.covered = first.covered;
+  frame.counts = first.counts;
+  capture(job, frame, *make_for_small_pool(job, frame), result, counts);
 }
 
 std::unique_ptr<render::Technique> Renderer::Implementation::make_for_small_pool(
@@ -397,7 +428,8 @@ std::unique_ptr<render::Technique> Renderer::Implementation::make_for_small_pool
                             "atomics, which {} has not",
                             frame.capacity(), frame.fragments, context.info().name));
   }
-  return render::nearest_rounds_in_pool(job.options.overflow);
+  const bool suffices = frame.fragments <= frame.capacity();
+  return render::nearest_rounds_in_pool(suffices ? Overflow::exact : job.options.overflow);
 }
 
 RenderResult Renderer::Implementation::draw(Job job) {
@@ -457,86 +489,14 @@ std::vector<std::string> Renderer::validation_messages() const {
   return implementation_->context.validation_messages();
 }
 
-std::span<const TechniqueInfo> render_techniques() {
-  static const std::vector<TechniqueInfo> kInfos = [] {
-    std::vector<TechniqueInfo> list;
-    for (const render::TechniqueEntry& entry : render::technique_entries()) list.push_back(entry.info);
-    return list;
-  }();
-  return kInfos;
-}
-
-std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device) {
-  const bool in_order = technique.synchronised && (device.ordered_attachments > 0 || device.interlock);
-  if (technique.needs_atomics64 && !device.atomics64 && !in_order) return "64-bit atomics on buffers";
-  if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
-  return "";
-}
-
-namespace {
-
-const render::TechniqueEntry& find_technique(const RenderOptions& options, const DeviceInfo& device) {
-  std::string names;
-  for (const render::TechniqueEntry& entry : render::technique_entries()) {
-    names.append(names.empty() ? "" : ", ").append(entry.info.name);
-    if (entry.info.name != options.technique) continue;
-    const std::string missing = missing_for(entry.info, device);
-    if (missing.empty()) return entry;
-    throw Error(ErrorKind::bad_argument, fmt::format("--technique {} needs {}, which {} has not",
-                                                     options.technique, missing, device.name));
-  }
-  throw Error(ErrorKind::bad_argument,
-              fmt::format("--technique: there is no '{}'; there are {}", options.technique, names));
-}
-
-void check_options(const Camera& camera, const RenderOptions& options, const DeviceInfo& device,
-                   std::uint32_t objects) {
-  if (camera.width == 0 || camera.height == 0 || camera.width > device.max_side ||
-      camera.height > device.max_side) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
-                            device.max_side, camera.width, camera.height));
-  }
-  if (options.samples != 1 && options.samples != 4) throw Error(ErrorKind::bad_argument, "--samples: 1 or 4");
-  if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
-  render::check_effect(options.effect, objects);
-}
-
-void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
-  if (options.cull && !technique.can_cull) {
-    throw Error(
-        ErrorKind::bad_argument,
-        fmt::format("--cull: --technique {} does not peel, so nothing is drawn twice", technique.name));
-  }
-  if (options.cull && !device.conditional) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--cull needs conditional rendering, which {} has not", device.name));
-  }
-  if (technique.keeps_tail) render::check_importance(options.importance);
-  if (!technique.blends_only && !technique.keeps_tail) return;
-  if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--technique {} blends what it does not keep: --effect transparency or "
-                            "wireframe only",
-                            technique.name));
-  }
-  if (technique.blends_only && options.keep_fragments) {
-    throw Error(
-        ErrorKind::bad_argument,
-        fmt::format("--technique {} blends while it draws: it has no fragments to keep", technique.name));
-  }
-}
-
-}  // namespace
-
 RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, Progress* progress) {
   Implementation& self = *implementation_;
   self.refuse_if_lost();
   if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
-  check_options(camera, options, info(), self.scene->object_count);
-  Implementation::Job job{camera, options, find_technique(options, info()),
+  render::check_options(camera, options, info(), self.scene->object_count);
+  Implementation::Job job{camera, options, render::find_technique(options, info()),
                           static_cast<std::uint32_t>(options.effect), progress};
-  check_technique(job.technique.info, options, info());
+  render::check_technique(job.technique.info, options, info());
   job.sync = render::choose_sync(job.technique.info, options, info());
   try {
     return self.draw(job);
@@ -554,8 +514,8 @@ OverdrawCount Renderer::count_overdraw(const Camera& camera) {
   // An effect for which opaque surfaces are drawn like all others.
   RenderOptions options;
   options.effect = Effect::complexity;
-  check_options(camera, options, info(), self.scene->object_count);
-  const Implementation::Job job{camera, options, find_technique(options, info()),
+  render::check_options(camera, options, info(), self.scene->object_count);
+  const Implementation::Job job{camera, options, render::find_technique(options, info()),
                                 static_cast<std::uint32_t>(options.effect), nullptr};
   render::Frame frame = self.make_frame(job, {0, camera.height});
   CaptureStats ignored;

@@ -92,7 +92,7 @@ class NearestRounds final : public Technique {
   }
   // Of the pool.
   [[nodiscard]] std::uint64_t places(const Frame& frame) const {
-    if (budget_ == Budget::pool) return frame.options.pool;
+    if (budget_ == Budget::pool) return frame.capacity();
     if (given_k(frame)) return frame.options.k * frame.pixels();
     const std::uint64_t fixed = kPixelBytes * frame.pixels() + 4;
     return frame.options.memory > fixed ? (frame.options.memory - fixed) / kPlaceBytes : 0;

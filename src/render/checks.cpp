@@ -1,0 +1,82 @@
+// Checks: see checks.h.
+#include "checks.h"
+
+#include <fmt/format.h>
+
+#include "effects.h"
+#include "importance_terms.h"
+
+namespace pellucid {
+
+std::span<const TechniqueInfo> render_techniques() {
+  static const std::vector<TechniqueInfo> kInfos = [] {
+    std::vector<TechniqueInfo> list;
+    for (const render::TechniqueEntry& entry : render::technique_entries()) list.push_back(entry.info);
+    return list;
+  }();
+  return kInfos;
+}
+
+std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device) {
+  const bool in_order = technique.synchronised && (device.ordered_attachments > 0 || device.interlock);
+  if (technique.needs_atomics64 && !device.atomics64 && !in_order) return "64-bit atomics on buffers";
+  if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
+  return "";
+}
+
+namespace render {
+
+const TechniqueEntry& find_technique(const RenderOptions& options, const DeviceInfo& device) {
+  std::string names;
+  for (const TechniqueEntry& entry : technique_entries()) {
+    names.append(names.empty() ? "" : ", ").append(entry.info.name);
+    if (entry.info.name != options.technique) continue;
+    const std::string missing = missing_for(entry.info, device);
+    if (missing.empty()) return entry;
+    throw Error(ErrorKind::bad_argument, fmt::format("--technique {} needs {}, which {} has not",
+                                                     options.technique, missing, device.name));
+  }
+  throw Error(ErrorKind::bad_argument,
+              fmt::format("--technique: there is no '{}'; there are {}", options.technique, names));
+}
+
+void check_options(const Camera& camera, const RenderOptions& options, const DeviceInfo& device,
+                   std::uint32_t objects) {
+  if (camera.width == 0 || camera.height == 0 || camera.width > device.max_side ||
+      camera.height > device.max_side) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
+                            device.max_side, camera.width, camera.height));
+  }
+  if (options.samples != 1 && options.samples != 4) throw Error(ErrorKind::bad_argument, "--samples: 1 or 4");
+  if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
+  check_effect(options.effect, objects);
+}
+
+void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
+  if (options.cull && !technique.can_cull) {
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--cull: --technique {} does not peel, so nothing is drawn twice", technique.name));
+  }
+  if (options.cull && !device.conditional) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--cull needs conditional rendering, which {} has not", device.name));
+  }
+  if (technique.keeps_tail) check_importance(options.importance);
+  if (!technique.blends_only && !technique.keeps_tail) return;
+  if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--technique {} blends what it does not keep: --effect transparency or "
+                            "wireframe only",
+                            technique.name));
+  }
+  if (technique.blends_only && options.keep_fragments) {
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("--technique {} blends while it draws: it has no fragments to keep", technique.name));
+  }
+}
+
+}  // namespace render
+}  // namespace pellucid

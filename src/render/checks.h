@@ -1,0 +1,14 @@
+// checks.h - what is refused before anything is drawn: each throws Error{bad_argument} that says why.
+#pragma once
+
+#include "capture/technique.h"
+
+namespace pellucid::render {
+
+// By its name, where `device` has what it needs.
+const TechniqueEntry& find_technique(const RenderOptions& options, const DeviceInfo& device);
+void check_options(const Camera& camera, const RenderOptions& options, const DeviceInfo& device,
+                   std::uint32_t objects);
+void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device);
+
+}  // namespace pellucid::render

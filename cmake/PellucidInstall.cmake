@@ -1,5 +1,6 @@
-# What `cmake --install` leaves behind: the rooms as static libraries, public headers, the CMake package
-# (find_package(pellucid), targets pellucid::<room> and pellucid::pellucid), pellucid.pc and the licence.
+# What `cmake --install` leaves behind: the rooms as static libraries, the shared library of the C interface, public
+# headers, the CMake package (find_package(pellucid), targets pellucid::<room>, pellucid::pellucid, pellucid::c),
+# pellucid.pc, pellucid-c.pc and the licence.
 # The command line installs itself (apps/pellucid).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -13,6 +14,8 @@ set_target_properties(pellucid_all PROPERTIES EXPORT_NAME pellucid)
 target_link_libraries(pellucid_all INTERFACE ${pellucid_rooms})
 
 install(TARGETS ${pellucid_rooms} pellucid_all EXPORT pellucidTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+# Apart from the others: programs that use it need none of the libraries inside.
+install(TARGETS pellucid_c EXPORT pellucidCTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/pellucid DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -21,6 +24,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # package finds every one of them.
 set(pellucid_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pellucid)
 install(EXPORT pellucidTargets NAMESPACE pellucid:: DESTINATION ${pellucid_package_dir})
+install(EXPORT pellucidCTargets NAMESPACE pellucid:: DESTINATION ${pellucid_package_dir})
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/pellucidConfig.cmake.in ${PROJECT_BINARY_DIR}/pellucidConfig.cmake
   INSTALL_DESTINATION ${pellucid_package_dir})
@@ -40,4 +44,5 @@ if(PELLUCID_RENDER)
   set(pellucid_pc_vulkan " -lvulkan")
 endif()
 configure_file(${PROJECT_SOURCE_DIR}/cmake/pellucid.pc.in ${PROJECT_BINARY_DIR}/pellucid.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/pellucid.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/pellucid-c.pc.in ${PROJECT_BINARY_DIR}/pellucid-c.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/pellucid.pc ${PROJECT_BINARY_DIR}/pellucid-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -11,12 +11,6 @@
 
 namespace pellucid::cli {
 
-// Triangle t of the orders becomes triangle source[t].
-OrderSet lift_orders(OrderSet orders, std::span<const std::uint32_t> source);
-// The inverse: triangle source[t] becomes t, nodes of triangles that `source` does not name are left out.
-OrderSet restrict_orders(OrderSet orders, std::span<const std::uint32_t> source,
-                         std::uint64_t file_triangles);
-
 // Only the vertices that triangles use, in their order.
 Mesh compacted(const Mesh& mesh);
 

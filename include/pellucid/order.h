@@ -94,6 +94,13 @@ struct OrderSet {
   std::vector<KeyFrameTable> animations;
 };
 
+// Orders are made for clean meshes and kept for the meshes that these came from (CleanMesh::source).
+// Triangle t of the orders becomes triangle source[t].
+OrderSet lift_orders(OrderSet orders, std::span<const std::uint32_t> source);
+// The inverse: triangle source[t] becomes t, nodes of triangles that `source` does not name are left out.
+OrderSet restrict_orders(OrderSet orders, std::span<const std::uint32_t> source,
+                         std::uint64_t source_triangles);
+
 struct StageSeconds {
   double graph = 0, cluster = 0, sequence = 0, refine = 0, total = 0;
 };

@@ -63,8 +63,9 @@ std::vector<std::vector<Vec3f>> frames_from(const PellucidMesh& mesh, const Pell
           "poses: there are no frames, or no times");
   std::vector<std::vector<Vec3f>> frames;
   for (std::uint32_t frame = 0; frame < poses->frame_count; ++frame) {
-    require(std::isfinite(poses->times[frame]) && (frame == 0 || poses->times[frame] > poses->times[frame - 1]),
-            "poses: times must be finite and strictly increasing");
+    require(
+        std::isfinite(poses->times[frame]) && (frame == 0 || poses->times[frame] > poses->times[frame - 1]),
+        "poses: times must be finite and strictly increasing");
     frames.push_back(positions_from(poses->positions[frame], mesh));
   }
   return frames;

@@ -61,7 +61,8 @@ Options settled(const Options* given, void (*init)(Options*, std::size_t)) {
   Options options;
   init(&options, sizeof options);
   if (given == nullptr) return options;
-  require(given->struct_size >= sizeof given->struct_size, "options: struct_size is not set: call init first");
+  require(given->struct_size >= sizeof given->struct_size,
+          "options: struct_size is not set: call init first");
   require(given->struct_size <= sizeof options, "options: they are of a later version than the library");
   std::memcpy(static_cast<void*>(&options), given, given->struct_size);
   return options;

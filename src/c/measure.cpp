@@ -76,8 +76,7 @@ PellucidBlendQuality measure_blending(const PellucidMesh* given, const PellucidO
   measure.facing = set != nullptr ? set->orders.facing : facing_from(options.facing);
   measure.shading.alpha = options.alpha;
   measure.progress = progress.pointer();
-  const std::vector<DrawingMethod> methods{
-      {"", [&](const Viewpoint& view) { return blended.ranks(view); }}};
+  const std::vector<DrawingMethod> methods{{"", [&](const Viewpoint& view) { return blended.ranks(view); }}};
   const MethodQuality quality = measure_order_quality(blended.mesh(), methods, measure).front();
   return {quality.ipr_mean, quality.ipr_max, quality.psnr_mean, quality.psnr_min};
 }
@@ -102,8 +101,7 @@ void require_valid(const PellucidOrderSet* set, const PellucidPoses* poses, cons
   if (set == nullptr) return;
   require(set->orders.purpose == OrderPurpose::overdraw,
           "these are transparency orders: pellucid_measure_blending() is for them");
-  require(poses == nullptr || poses->frame_count == set->times.size(),
-          "the orders are not of these poses");
+  require(poses == nullptr || poses->frame_count == set->times.size(), "the orders are not of these poses");
 }
 
 PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const PellucidPoses* poses,
@@ -113,7 +111,8 @@ PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const Pelluc
   if (mesh.triangles.empty()) throw Error(ErrorKind::nothing_to_do, "mesh: there are no triangles");
   OverdrawSubject subject;
   subject.triangles = mesh.triangles;
-  if (facing_from(options.facing) == Facing::duplicated) subject.double_sided.assign(mesh.triangles.size(), 1);
+  if (facing_from(options.facing) == Facing::duplicated)
+    subject.double_sided.assign(mesh.triangles.size(), 1);
   subject.frames = frames_from(*given, poses);
   const std::vector<std::vector<std::uint32_t>> ranks = overdraw_ranks(set, mesh.triangles.size());
   PellucidOrders selector{};

@@ -62,9 +62,9 @@ void set_orders(PellucidModel& model, std::uint32_t index, const PellucidOrderSe
   if (set != nullptr) {
     require(set->orders.purpose == OrderPurpose::transparency,
             "overdraw orders of a mesh know nothing of the model that it is a part of: pellucid overdraw");
-    require(set->triangles == primitive.mesh.triangles &&
-                set->vertex_count == primitive.mesh.positions.size(),
-            "the orders are not of this primitive");
+    require(
+        set->triangles == primitive.mesh.triangles && set->vertex_count == primitive.mesh.positions.size(),
+        "the orders are not of this primitive");
     model.orders[index] = set->orders;
   } else {
     model.orders[index].reset();
@@ -89,8 +89,8 @@ WriteOptions write_options(const PellucidWriteOptions& given) {
   }
   require(given.direction == pellucid_front_to_back || given.direction == pellucid_back_to_front,
           "direction: there is no such value");
-  options.direction = given.direction == pellucid_back_to_front ? SortDirection::back_to_front
-                                                                 : SortDirection::front_to_back;
+  options.direction =
+      given.direction == pellucid_back_to_front ? SortDirection::back_to_front : SortDirection::front_to_back;
   options.split_buffer = given.split_buffer != 0;
   options.bake_base = given.keep_indices == 0;
   return options;

@@ -52,8 +52,7 @@ OverdrawOptions overdraw_options(const PellucidOverdrawOptions& given, Progress*
   require(given.method == pellucid_overdraw_refined || given.method == pellucid_overdraw_paper,
           "method: there is no such value");
   OverdrawOptions options;
-  options.method =
-      given.method == pellucid_overdraw_paper ? OverdrawMethod::paper : OverdrawMethod::refined;
+  options.method = given.method == pellucid_overdraw_paper ? OverdrawMethod::paper : OverdrawMethod::refined;
   options.buffers = given.buffers;
   options.lambda = given.lambda;
   options.cache_size = given.cache_size;

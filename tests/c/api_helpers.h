@@ -26,7 +26,11 @@ struct Arrays {
   std::vector<float> positions;
   std::vector<std::uint32_t> indices;
   [[nodiscard]] PellucidMesh mesh() const {
-    return {positions.data(), static_cast<std::uint32_t>(positions.size() / 3), 0, indices.data(), 4,
+    return {positions.data(),
+            static_cast<std::uint32_t>(positions.size() / 3),
+            0,
+            indices.data(),
+            4,
             static_cast<std::uint32_t>(indices.size() / 3)};
   }
 };

@@ -1,4 +1,5 @@
-/* pellucid/c/pellucid.h as a C99 program uses it: it compiles alone, and its exit code says whether it works. */
+/* pellucid/c/pellucid.h as a C99 program uses it: it compiles alone, and its exit code says whether it works.
+ */
 #include "pellucid/c/pellucid.h"
 
 int main(void) {

@@ -9,13 +9,13 @@ namespace pellucid {
 namespace {
 
 using testing::Arrays;
+using ::testing::HasSubstr;
 using testing::indices_of;
 using testing::ModelHandle;
 using testing::ordered;
 using testing::OrderSetHandle;
 using testing::quick_options;
 using testing::torus;
-using ::testing::HasSubstr;
 
 // A file of its own for every test.
 std::string file_named(const std::string& name) {

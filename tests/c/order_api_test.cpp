@@ -10,12 +10,12 @@ namespace pellucid {
 namespace {
 
 using testing::Arrays;
+using ::testing::HasSubstr;
 using testing::indices_of;
 using testing::ordered;
 using testing::OrderSetHandle;
 using testing::quick_options;
 using testing::torus;
-using ::testing::HasSubstr;
 
 constexpr std::array<double, 16> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 

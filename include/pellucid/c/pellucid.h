@@ -114,9 +114,10 @@ typedef struct PellucidOrderOptions {
   double tolerance;     /* overlaps thinner than this many radii do not count; < 0: the method's own */
   double alpha;         /* opacity to weigh occlusions by, 0..1; 0: by their area alone */
   uint32_t cache_size;  /* FIFO vertex cache to optimise for, 20; 0: do not */
-  uint32_t upsample_from; /* order a mesh simplified to so many triangles; 0: never; UINT32_MAX: above 24,000 */
-  uint64_t memory;        /* bytes to get by with; 0: no limit */
-  uint64_t seed;          /* 1 */
+  uint32_t
+      upsample_from; /* order a mesh simplified to so many triangles; 0: never; UINT32_MAX: above 24,000 */
+  uint64_t memory;   /* bytes to get by with; 0: no limit */
+  uint64_t seed;     /* 1 */
 } PellucidOrderOptions;
 PELLUCID_API void pellucid_order_options_init(PellucidOrderOptions* options, size_t struct_size);
 
@@ -134,12 +135,12 @@ typedef enum PellucidOverdrawMethod {
 typedef struct PellucidOverdrawOptions {
   size_t struct_size; /* set by init */
   PellucidRun run;
-  PellucidOverdrawMethod method; /* refined */
-  PellucidFacing facing;         /* single: back faces are culled. duplicated: both sides are drawn */
-  uint32_t buffers;              /* 5; a mesh without poses may do with 1 */
-  double lambda;                 /* vertex cache against overdraw: 0.85; 3: every triangle is a patch */
-  uint32_t cache_size;           /* FIFO entries, 16 */
-  uint32_t view_level;           /* 10 * 4^n + 2 viewpoints: 2, at most 5 */
+  PellucidOverdrawMethod method;     /* refined */
+  PellucidFacing facing;             /* single: back faces are culled. duplicated: both sides are drawn */
+  uint32_t buffers;                  /* 5; a mesh without poses may do with 1 */
+  double lambda;                     /* vertex cache against overdraw: 0.85; 3: every triangle is a patch */
+  uint32_t cache_size;               /* FIFO entries, 16 */
+  uint32_t view_level;               /* 10 * 4^n + 2 viewpoints: 2, at most 5 */
   double min_distance, max_distance; /* of these viewpoints, radii: 1.5 to 3 */
   uint32_t size;                     /* pixels a side of the pictures that overdraw is counted in: 256 */
   uint64_t seed;                     /* 1 */
@@ -159,7 +160,8 @@ PELLUCID_API PellucidStatus pellucid_overdraw_mesh(const PellucidMesh* mesh, con
                                                    const PellucidOverdrawOptions* options,
                                                    PellucidOrderSet** orders);
 
-/* ------------------------------------------------------------------------------------- what is in an order set */
+/* ------------------------------------------------------------------------------------- what is in an order
+ * set */
 
 PELLUCID_API void pellucid_free_order_set(PellucidOrderSet* orders);
 
@@ -234,8 +236,10 @@ typedef struct PellucidBlendQuality {
   double ipr_mean, ipr_max;   /* share of covered pixels with a fragment out of depth order */
   double psnr_mean, psnr_min; /* dB over covered pixels, at most 100 */
 } PellucidBlendQuality;
-/* How right blending is: the orders of a set for this mesh, or null: the order in which the mesh is stored. */
-PELLUCID_API PellucidStatus pellucid_measure_blending(const PellucidMesh* mesh, const PellucidOrderSet* orders,
+/* How right blending is: the orders of a set for this mesh, or null: the order in which the mesh is stored.
+ */
+PELLUCID_API PellucidStatus pellucid_measure_blending(const PellucidMesh* mesh,
+                                                      const PellucidOrderSet* orders,
                                                       const PellucidMeasureOptions* options,
                                                       PellucidBlendQuality* quality);
 

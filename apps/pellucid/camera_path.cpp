@@ -9,9 +9,8 @@
 #include <filesystem>
 #include <numbers>
 
-#include "file_camera.h"
+#include "camera_text.h"
 #include "pellucid/base.h"
-#include "scene.h"
 
 namespace pellucid::cli {
 namespace {

@@ -11,8 +11,6 @@
 namespace pellucid::cli {
 namespace {
 
-constexpr const char* kPrefix = "file:";
-
 ModelCamera find_camera(const Model& model, const std::string& name) {
   const std::vector<ModelCamera> cameras = read_cameras(model);
   std::string names;
@@ -67,14 +65,10 @@ Camera placed(const ModelCamera& source, const BoundingSphere& sphere, std::uint
 
 }  // namespace
 
-bool is_file_camera(const std::string& text) {
-  return text.starts_with(kPrefix);
-}
-
 Camera camera_from(const std::string& text, const Model& model, const Scene& scene, std::uint32_t width,
                    std::uint32_t height) {
   if (!is_file_camera(text)) return look_at_sphere(scene.sphere, parse_camera(text), width, height);
-  const ModelCamera camera = find_camera(model, text.substr(std::string_view(kPrefix).size()));
+  const ModelCamera camera = find_camera(model, text.substr(kFileCamera.size()));
   return placed(camera, scene.sphere, width, height);
 }
 

@@ -3,12 +3,10 @@
 
 #include <string>
 
+#include "camera_text.h"
 #include "scene.h"
 
 namespace pellucid::cli {
-
-// "file:NAME" or "file:NUMBER"?
-bool is_file_camera(const std::string& text);
 
 // What --camera says: a camera of the file, its planes fitted to the scene, or as parse_camera has it. Throws
 // Error{bad_argument} for a camera that is not there.

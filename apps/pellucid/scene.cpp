@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "pellucid/report.h"
@@ -110,18 +109,6 @@ std::vector<std::uint32_t> objects_front_to_back(const Scene& scene, const Camer
   return sequence;
 }
 
-double parse_number(const std::string& item, const std::string& whole) {
-  if (item == "inf") return kInfiniteDistance;
-  char* rest = nullptr;
-  const double value = std::strtod(item.c_str(), &rest);
-  if (item.empty() || *rest != '\0' || !std::isfinite(value)) {
-    throw Error(
-        ErrorKind::bad_argument,
-        fmt::format("--camera: '{}' is not azimuth,elevation,distance (degrees, degrees, radii)", whole));
-  }
-  return value;
-}
-
 }  // namespace
 
 Scene make_scene(const Model& model) {
@@ -183,25 +170,6 @@ FragmentBuffer scene_fragments(const Scene& scene, const Camera& camera) {
     drawn.offsets.push_back(drawn.fragments.size());
   }
   return drawn;
-}
-
-Viewpoint parse_camera(const std::string& text) {
-  const std::string orbit = "orbit:";
-  const std::string numbers = text.starts_with(orbit) ? text.substr(orbit.size()) : text;
-  const std::size_t first = numbers.find(',');
-  const std::size_t second = first == std::string::npos ? first : numbers.find(',', first + 1);
-  if (second == std::string::npos) parse_number("", text);
-  const double radians = std::numbers::pi / 180;
-  const double azimuth = radians * parse_number(numbers.substr(0, first), text);
-  const double elevation = radians * parse_number(numbers.substr(first + 1, second - first - 1), text);
-  const double distance = parse_number(numbers.substr(second + 1), text);
-  if (!std::isfinite(azimuth) || !std::isfinite(elevation)) parse_number("", text);
-  if (!(distance > 1)) {
-    throw Error(ErrorKind::bad_argument, "--camera: the distance must be more than 1 bounding radius");
-  }
-  return {
-      {std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth)},
-      distance};
 }
 
 }  // namespace pellucid::cli

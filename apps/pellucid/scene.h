@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_text.h"
 #include "cleaned.h"
 #include "pellucid/asset.h"
 #include "pellucid/raster.h"
@@ -43,8 +44,5 @@ std::vector<std::uint32_t> scene_ranks(const Scene& scene, DrawOrder order, cons
 
 // The fragments that are drawn: without back faces of culled primitives.
 FragmentBuffer scene_fragments(const Scene& scene, const Camera& camera);
-
-// "orbit:30,20,3" or "30,20,3": azimuth and elevation in degrees, distance in bounding radii (or inf).
-Viewpoint parse_camera(const std::string& text);
 
 }  // namespace pellucid::cli

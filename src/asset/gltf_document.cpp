@@ -74,6 +74,13 @@ bool is_fallback(const Fields& buffer) {
   return false;
 }
 
+// False also for what can be no file's name, such as one that is too long.
+bool is_beside(const GltfDocument& document, const std::string& uri) {
+  std::error_code ignored;
+  return std::filesystem::exists(
+      std::filesystem::path(document.path).parent_path() / decode_relative_uri(uri).value_or(""), ignored);
+}
+
 Bytes read_external(const GltfDocument& document, const Fields& buffer, const std::string& uri) {
   const auto relative = decode_relative_uri(uri);
   if (!relative) {
@@ -111,10 +118,7 @@ GltfBuffer load_buffer(const GltfDocument& document, const Fields& buffer, std::
     } else {
       loaded.storage = BufferStorage::external;
       // The uncompressed copy of compressed data is never read, so it may be missing.
-      if (is_fallback(buffer) && !std::filesystem::exists(std::filesystem::path(document.path).parent_path() /
-                                                          decode_relative_uri(uri).value_or(""))) {
-        return loaded;
-      }
+      if (is_fallback(buffer) && !is_beside(document, uri)) return loaded;
       bytes = read_external(document, buffer, uri);
     }
   }

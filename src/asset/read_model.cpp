@@ -53,7 +53,8 @@ Model read_model(const std::string& path, const ReadOptions& options) {
   Reader reader = reader_by_content(first_bytes(path));
   if (reader == nullptr) reader = reader_by_extension(lower_extension(path));
   if (reader == nullptr) {
-    if (!std::filesystem::is_regular_file(path)) read_file(path);  // says what is wrong with it
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) read_file(path);  // says what is wrong with it
     throw Error(ErrorKind::bad_input,
                 path + ": not a model that pellucid reads (.glb .gltf .ply .obj .stl .off)");
   }

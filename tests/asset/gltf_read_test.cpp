@@ -167,6 +167,16 @@ TEST(GltfMeshopt, DamageAndUnknownFormsAreRefused) {
               ::testing::HasSubstr("too short"));
 }
 
+// The uncompressed copy is never read: its name may be one that no file can have.
+TEST(GltfMeshopt, FallbackMayHaveAnyName) {
+  const TempFolder folder;
+  HandMade file = compressed_pyramid("EXT_meshopt_compression");
+  file.json["buffers"].push_back({{"byteLength", 4},
+                                  {"uri", std::string(300, 'x')},
+                                  {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  EXPECT_EQ(read_model(file.save(folder / "packed.glb")).primitives.size(), 1U);
+}
+
 // ---------------------------------------------------------------------------------------- nodes and
 // materials
 
@@ -466,6 +476,11 @@ TEST(GltfDispatch, ContentWinsOverTheName) {
   EXPECT_EQ(model.format, "glb");
   EXPECT_EQ(model.primitives.at(0).mesh.triangles.size(), 6U);
   EXPECT_EQ(model.primitives.at(0).name, "m");
+}
+
+TEST(GltfDispatch, NamesThatNoFileCanHaveAreComplainedAbout) {
+  const std::string name(300, 'x');
+  EXPECT_THAT(error_of([&] { read_model(name); }), ::testing::HasSubstr("File name too long"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Meshes and handles for the tests of the C interface.
 #pragma once
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

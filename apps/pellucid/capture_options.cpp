@@ -21,7 +21,9 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
   add_choice(command, "--surfaces", picture.surfaces,
              {{"uniform", Surfaces::uniform}, {"file", Surfaces::file}},
              "uniform: all of one colour (default); file: its materials: colours, textures, alpha modes");
-  command.add_option("--k", options.k, "Fragments a pixel, or buckets, of techniques with a fixed number")
+  command
+      .add_option("--k", options.k,
+                  "Fragments, samples or buckets of a pixel, of techniques with a fixed number")
       ->check(CLI::Range(1, 64))
       ->type_name("N")
       ->capture_default_str();

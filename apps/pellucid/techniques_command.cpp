@@ -63,11 +63,11 @@ void list_techniques(const DeviceOptions& options, Session& session) {
                             : "";
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const auto add = [&](const TechniqueInfo& t, const std::string& missing) {
-    text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}{}\n", t.name, t.exact ? "yes" : "no", t.passes_formula,
+    text += fmt::format("{:<11} {:<5} {:<26} {:<24} {}{}\n", t.name, t.exact ? "yes" : "no", t.passes_formula,
                         t.bytes_formula, t.title, missing.empty() ? "" : " (needs " + missing + ")");
     list.push_back(to_json(t, missing));
   };
-  text += fmt::format("{:<9} {:<5} {:<26} {:<24} {}\n", "name", "exact", "geometry passes", "bytes a pixel",
+  text += fmt::format("{:<11} {:<5} {:<26} {:<24} {}\n", "name", "exact", "geometry passes", "bytes a pixel",
                       "what");
   add(cpu_technique(), "");
   for (const TechniqueInfo& t : render_techniques())

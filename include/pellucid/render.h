@@ -157,6 +157,7 @@ struct TechniqueInfo {
   bool keeps_tail = false;
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
   bool needs_atomics64 = false, needs_layered = false;
+  std::uint32_t needs_ordered = 0;  // of DeviceInfo::ordered_attachments
 };
 // In the order of the paper's Table 1. None where pellucid was built without Vulkan.
 std::span<const TechniqueInfo> render_techniques();

@@ -21,6 +21,12 @@ std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device
   const bool in_order = technique.synchronised && (device.ordered_attachments > 0 || device.interlock);
   if (technique.needs_atomics64 && !device.atomics64 && !in_order) return "64-bit atomics on buffers";
   if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
+  if (technique.needs_ordered > device.ordered_attachments) {
+    return fmt::format(
+        "{} attachments that are read back in the sequence of drawing "
+        "(VK_EXT_rasterization_order_attachment_access)",
+        technique.needs_ordered);
+  }
   return "";
 }
 

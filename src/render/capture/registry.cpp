@@ -34,6 +34,10 @@ const std::vector<TechniqueEntry>& technique_entries() {
       variable_k(),
       plain_blend(),
       verified_blend(),
+      weighted_blend(),
+      moment_blend(),
+      multi_layer_blend(),
+      stochastic_blend(),
   };
   return kEntries;
 }

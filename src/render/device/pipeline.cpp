@@ -59,7 +59,8 @@ VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
   VkPipelineColorBlendAttachmentState state{.colorWriteMask = kAll};
   if (blend == Blend::none) return state;
   state.blendEnable = VK_TRUE;
-  state.srcColorBlendFactor = blend == Blend::max ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA;
+  state.srcColorBlendFactor =
+      blend == Blend::under ? VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA : VK_BLEND_FACTOR_ONE;
   state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
   state.colorBlendOp = blend == Blend::max ? VK_BLEND_OP_MAX : VK_BLEND_OP_ADD;
   state.srcAlphaBlendFactor = state.srcColorBlendFactor;

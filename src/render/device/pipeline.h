@@ -21,7 +21,7 @@ class OrderedLayout;
 // Specialisation constants 0, 1, 2, ... of a shader.
 using Constants = std::vector<std::uint32_t>;
 
-enum class Blend { none, max, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
+enum class Blend { none, max, add, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
 enum class DepthTest { none, less, less_or_equal, equal, greater };
 enum class Stencil {
   none,

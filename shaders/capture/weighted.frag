@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "../interface/frame.glsl"
+#include "../interface/fragment_input.glsl"
+#include "optical_depth.glsl"
+// Weighted blended transparency: colours are summed up, the nearer the heavier (resolve/sums.comp divides by the weights).
+// McGuire, Bavoil, "Weighted Blended Order-Independent Transparency", JCGT 2013: equation 6 with the weight of equation 10,
+// which goes by depth between the near and the far plane.
+layout(location = 0) out vec4 sums;  // colours and opacity, weighted
+layout(location = 1) out float depth_sum;
+const float kMostDepth = 32.0;
+const float kLeastWeight = 1e-2;
+const float kMostWeight = 3e3;
+
+void main() {
+  const vec4 c = unpack_color(fragment_color());
+  const float near = 1.0 - gl_FragCoord.z;
+  const float weight = c.a * clamp(kMostWeight * near * near * near, kLeastWeight, kMostWeight);
+  // Only ratios of weights matter: scaled so that no sum gets too large for half floats.
+  sums = vec4(c.rgb, 1.0) * (c.a * weight * uintBitsToFloat(push.p0));
+  depth_sum = optical_depth(c.a, kMostDepth);
+}

@@ -24,6 +24,7 @@ struct CapturePicture {
   std::uint32_t width = 0, height = 0;
   std::string importance_image;  // path; empty: none
   std::string maps;              // folder for heat maps of techniques with a budget; empty: none
+  std::uint32_t flicker = 0;     // frames of `compare --flicker`
   std::uint32_t frames = 1;  // drawn; the time is the median of all but the first, in which drivers compile
 };
 

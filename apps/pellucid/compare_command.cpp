@@ -154,6 +154,7 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
                   "  pellucid compare bottles.glb -o report.html --json report.json\n"
                   "  pellucid compare a.glb b.obj --techniques exact --size 1280x720 --surfaces file\n"
                   "  pellucid compare stack.glb --techniques sb,f2b,f2b-2p --reference cpu\n"
+                  "  pellucid compare smoke.glb --techniques variable-k,moments --memory 3MB --flicker 12\n"
                   "  pellucid compare --sweep all --techniques sb,ll,f2b-2p,f2b-fab -o sweeps.html",
                   1, [options](Session& session) { run_compare(*options, session); });
   CompareCommand& o = *options;
@@ -170,6 +171,14 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
                    "Also over resolution, coplanarity, depth, memory: names with commas, all, none; of the "
                    "first model, or of a sample")
       ->type_name("LIST")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--flicker", o.capture.flicker,
+          "Also so many frames half a degree from each other round the scene: how much more the picture "
+          "changes than the exact one; 0: none")
+      ->check(CLI::Range(0, 720))
+      ->type_name("N")
       ->capture_default_str();
   add_capture_options(*command, o.capture);
   command

@@ -17,6 +17,8 @@ namespace {
 
 constexpr const char* kCpu = "cpu";
 constexpr const char* kExact = "sb";
+// Frames of --flicker are so near to each other that one follows the other.
+constexpr std::uint32_t kFlickerStepsOfATurn = 720;
 
 // Draws by any technique, and takes part in turns with others.
 class Contender {
@@ -125,6 +127,31 @@ std::vector<std::uint64_t> pixels_by_depth(const CapturedFragments& fragments, s
   return pixels;
 }
 
+// What the picture of each does while the camera goes round, beside what the exact one does.
+void measure_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
+                     Session& session, ComparedScene& compared) {
+  RenderOptions exact = options.draw;
+  exact.technique = kExact;
+  exact.pool = 0;
+  exact.cull = false;
+  compared.flicker_frames = static_cast<std::uint32_t>(drawn.turn.size());
+  begin_stage(session.progress(), "turning", drawn.turn.size() * options.techniques.size());
+  std::vector<Flicker> flicker(options.techniques.size());
+  DrawnScene turned = drawn;
+  for (const Camera& camera : drawn.turn) {
+    turned.camera = camera;
+    const RenderResult expected = renderer.draw(camera, exact, session.progress());
+    std::vector<Contender> all = contenders(renderer, turned, options, session);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!compared.techniques[i].failure.empty()) continue;
+      const RenderResult result = all[i].draw_first();
+      if (all[i].failure().empty())
+        flicker[i].add(expected.pixels, result.pixels, expected.stats.covered_pixels);
+    }
+  }
+  for (std::size_t i = 0; i < flicker.size(); ++i) compared.techniques[i].flicker = flicker[i].mean();
+}
+
 // What it drew and where it errs, if one can see it.
 std::vector<ReportPicture> pictures_of(const std::string& name, const Image& exact, const RenderResult& drawn,
                                        const PictureError& error) {
@@ -153,8 +180,10 @@ RenderScene copied(const RenderScene& scene, std::uint32_t copies, const Move& m
 }
 
 DrawnScene in_one_place(const DrawnScene& drawn, std::uint32_t copies) {
-  return {drawn.input, copied(drawn.scene, copies, [](const Vec3f& p, std::uint32_t) { return p; }),
-          drawn.camera};
+  return {drawn.input,
+          copied(drawn.scene, copies, [](const Vec3f& p, std::uint32_t) { return p; }),
+          drawn.camera,
+          {}};
 }
 
 // Along the lines of sight, so that every copy covers the same pixels.
@@ -169,7 +198,7 @@ DrawnScene behind_each_other(const DrawnScene& drawn, std::uint32_t copies) {
                             : camera.forward * ((camera.far_plane - camera.near_plane) * step * copy);
     return to_float(position + along);
   };
-  DrawnScene out{drawn.input, copied(drawn.scene, copies, move), camera};
+  DrawnScene out{drawn.input, copied(drawn.scene, copies, move), camera, {}};
   out.camera.far_plane *= 1 + kDepth;
   return out;
 }
@@ -230,8 +259,15 @@ TechniqueInfo technique_info(const std::string& name) {
 DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
   const Scene scene = make_scene(model);
   DrawnScene drawn{
-      model.path, make_render_scene(model, scene, picture.surfaces, picture.look),
-      look_at_sphere(scene.sphere, parse_camera(picture.camera_text), picture.width, picture.height)};
+      model.path,
+      make_render_scene(model, scene, picture.surfaces, picture.look),
+      look_at_sphere(scene.sphere, parse_camera(picture.camera_text), picture.width, picture.height),
+      {}};
+  std::vector<Shot> shots = orbit(picture.camera_text, kFlickerStepsOfATurn);
+  shots.resize(std::min<std::size_t>(shots.size(), picture.flicker));
+  for (const Shot& shot : shots)
+    drawn.turn.push_back(
+        look_at_sphere(scene.sphere, parse_camera(shot.camera), picture.width, picture.height));
   drawn.scene.sequence = drawing_sequence(scene, drawn.camera, {});
   return drawn;
 }
@@ -276,6 +312,7 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     compared.techniques[i].stats = all[i].stats();
     compared.techniques[i].failure = all[i].failure();
   }
+  if (!drawn.turn.empty()) measure_flicker(renderer, drawn, options, session, compared);
   return compared;
 }
 

@@ -15,6 +15,7 @@ struct DrawnScene {
   std::string input;
   RenderScene scene;
   Camera camera;
+  std::vector<Camera> turn{};  // of --flicker, round the scene, from `camera` on
 };
 DrawnScene open_scene(const Model& model, const CapturePicture& picture);
 

@@ -43,6 +43,20 @@ struct PerceivedError {
 PerceivedError perceived_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
                                std::uint32_t width, std::uint32_t height, std::uint64_t covered_pixels);
 
+// How much more a sequence of pictures changes than the exact one: the change of the error from picture to
+// picture, |(A' - A) - (E' - E)|, mean over covered pixels, channels and steps; in 1/255 of a channel, sRGB.
+class Flicker {
+ public:
+  // The next picture, and what it would be; linear colours. `covered_pixels` of the exact one.
+  void add(std::span<const Vec3f> exact, std::span<const Vec3f> drawn, std::uint64_t covered_pixels);
+  [[nodiscard]] std::optional<double> mean() const;  // none: fewer than two pictures
+
+ private:
+  std::vector<float> error_;  // of the last picture
+  double sum_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
 // White where two pictures agree, from pale to dark red where they do not.
 Image difference_image(const Image& exact, const Image& drawn);
 
@@ -58,6 +72,7 @@ struct ComparedTechnique {
   // differs nowhere by more than 1/255. Maps of techniques with a budget are there in any case.
   std::vector<ReportPicture> pictures;
   PerceivedError perceived{};
+  std::optional<double> flicker{};  // of the frames of ComparedScene::flicker_frames
 };
 
 struct ComparedScene {
@@ -67,6 +82,7 @@ struct ComparedScene {
   std::string reference;  // what the exact picture was drawn by: "sb", "cpu"
   CaptureStats exact;     // of that
   ReportPicture picture;
+  std::uint32_t flicker_frames = 0;
   std::vector<std::uint64_t> pixels_by_depth;  // [n]: pixels with n fragments
   std::vector<ComparedTechnique> techniques;
   std::vector<std::string> notes;

@@ -79,7 +79,7 @@ std::string row_of(const ComparedTechnique& technique, const ComparedScene& scen
       fmt::format("<tr{}><td title=\"{}\">{}</td><td>{}</td>", &technique == fastest ? " class=\"ours\"" : "",
                   escape_html(technique.title), escape_html(technique.name), technique.exact ? "yes" : "no");
   if (!technique.failure.empty())
-    return text + "<td colspan=\"15\">" + escape_html(technique.failure) + "</td></tr>\n";
+    return text + "<td colspan=\"16\">" + escape_html(technique.failure) + "</td></tr>\n";
   const CaptureStats& stats = technique.stats;
   const double ratio = fastest == nullptr ? NAN : stats.milliseconds / fastest->stats.milliseconds;
   const auto cell = [&](const std::string& value) { text += "<td>" + value + "</td>"; };
@@ -98,6 +98,7 @@ std::string row_of(const ComparedTechnique& technique, const ComparedScene& scen
   cell(technique.error ? format_fixed(technique.error->largest, 4) : kNoValue);
   cell(technique.error ? format_fixed(technique.perceived.ssim, 4) : kNoValue);
   cell(technique.error ? format_fixed(technique.perceived.hyab, 3) : kNoValue);
+  cell(technique.flicker ? format_fixed(*technique.flicker, 3) : kNoValue);
   return text + "</tr>\n";
 }
 
@@ -106,7 +107,7 @@ std::string table(const ComparedScene& scene) {
       "<div class=\"scroll\"><table><thead><tr><th>technique</th><th>exact</th><th>ms</th><th>ratio</th>"
       "<th>geometry<br/>passes</th><th>rounds</th><th>memory</th><th>bytes<br/>a "
       "pixel</th><th>captured</th><th>R_h</th><th>k</th><th>overflowed</th><th>coplanar</th><th>PSNR dB</th>"
-      "<th>largest<br/>error</th><th>SSIM</th><th>HyAB</th></tr></thead><tbody>";
+      "<th>largest<br/>error</th><th>SSIM</th><th>HyAB</th><th>flicker</th></tr></thead><tbody>";
   for (const ComparedTechnique& technique : scene.techniques) text += row_of(technique, scene);
   return text +
          "</tbody></table></div><p class=\"note\">Exact: promises to capture every fragment, coplanar ones "
@@ -114,7 +115,9 @@ std::string table(const ComparedScene& scene) {
          "pixels, and the largest error of a channel (0 to 1), against the exact picture. SSIM: mean "
          "structural "
          "similarity of luma; HyAB: mean colour difference in CIELAB after a blur of one pixel. k: slots for "
-         "fragments of a covered pixel, least and most, of techniques with a budget.</p>";
+         "fragments of a covered pixel, least and most, of techniques with a budget. Flicker: how much more "
+         "the "
+         "picture changes than the exact one from frame to frame, in 1/255.</p>";
 }
 
 std::string held_figure(const ReportPicture& picture) {

@@ -52,6 +52,27 @@ PictureError picture_error(std::span<const Vec3f> exact, std::span<const Vec3f> 
   return error;
 }
 
+void Flicker::add(std::span<const Vec3f> exact, std::span<const Vec3f> drawn, std::uint64_t covered_pixels) {
+  std::vector<float> error;
+  error.reserve(3 * exact.size());
+  for (std::size_t p = 0; p < std::min(exact.size(), drawn.size()); ++p) {
+    const std::array<double, 3> a = encoded(exact[p]);
+    const std::array<double, 3> b = encoded(drawn[p]);
+    for (std::size_t c = 0; c < 3; ++c) error.push_back(static_cast<float>(b.at(c) - a.at(c)));
+  }
+  if (error.size() == error_.size()) {
+    double change = 0;
+    for (std::size_t i = 0; i < error.size(); ++i) change += std::abs(double{error[i]} - double{error_[i]});
+    sum_ += change / kStep / (3 * static_cast<double>(std::max<std::uint64_t>(covered_pixels, 1)));
+    ++steps_;
+  }
+  error_ = std::move(error);
+}
+
+std::optional<double> Flicker::mean() const {
+  return steps_ == 0 ? std::nullopt : std::optional(sum_ / static_cast<double>(steps_));
+}
+
 Image difference_image(const Image& exact, const Image& drawn) {
   Image image{exact.width, exact.height, {}};
   image.rgb.reserve(exact.rgb.size());

@@ -62,6 +62,7 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   const bool known = technique.error.has_value();
   json["ssim"] = known ? Json(technique.perceived.ssim) : Json(nullptr);
   json["hyab"] = known ? Json(technique.perceived.hyab) : Json(nullptr);
+  json["flicker"] = or_null(technique.flicker);
   json["differing_pixels"] = error([](const PictureError& e) { return e.differing; });
   return json;
 }
@@ -87,6 +88,7 @@ Json json_of(const ComparedScene& scene, const std::string& effect) {
           {"coplanar", scene.exact.coplanar},
           {"coplanar_pixels", scene.exact.coplanar_pixels},
           {"c_p", scene.coplanar_share()},
+          {"flicker_frames", scene.flicker_frames},
           {"pixels_by_depth", scene.pixels_by_depth},
           {"techniques", std::move(techniques)},
           {"notes", scene.notes}};
@@ -142,7 +144,8 @@ std::vector<std::string> cells_of(const ComparedTechnique& technique, const Comp
           technique.error ? format_fixed(technique.error->psnr, 1) : "-",
           technique.error ? format_fixed(technique.error->largest, 4) : "-",
           technique.error ? format_fixed(technique.perceived.ssim, 4) : "-",
-          technique.error ? format_fixed(technique.perceived.hyab, 3) : "-"};
+          technique.error ? format_fixed(technique.perceived.hyab, 3) : "-",
+          technique.flicker ? format_fixed(*technique.flicker, 3) : "-"};
 }
 
 std::string text_of(const ComparedScene& scene) {
@@ -152,7 +155,7 @@ std::string text_of(const ComparedScene& scene) {
                   format_count(scene.exact.fragments), format_count(scene.exact.covered_pixels),
                   scene.exact.deepest_pixel, format_fixed(scene.coplanar_share(), 3));
   TextTable table({"technique", "exact", "ms", "ratio", "passes", "rounds", "memory", "B/pixel", "captured",
-                   "R_h", "k", "overflowed", "coplanar", "PSNR", "largest error", "SSIM", "HyAB"});
+                   "R_h", "k", "overflowed", "coplanar", "PSNR", "largest error", "SSIM", "HyAB", "flicker"});
   std::string failures;
   for (const ComparedTechnique& technique : scene.techniques) {
     table.add_row(cells_of(technique, scene));

@@ -17,7 +17,7 @@ TEST(CompareCommand, RefusesWhatMakesNoSense) {
   for (const Arguments& bad :
        {Arguments{"--techniques", "magic"}, Arguments{"--techniques", ","}, Arguments{"--sweep", "time"},
         Arguments{"--size", "0x5"}, Arguments{"--camera", "1,2"}, Arguments{"--reference", "gpu"},
-        Arguments{"--frames", "0"}, Arguments{"--device", "no such device"}}) {
+        Arguments{"--frames", "0"}, Arguments{"--flicker", "721"}, Arguments{"--device", "no such device"}}) {
     Arguments arguments{"compare", samples().plain, "-o", page};
     arguments.insert(arguments.end(), bad.begin(), bad.end());
     const Finished done = run_pellucid(arguments);
@@ -48,8 +48,8 @@ TEST(CompareCommand, TellsWhatTechniquesCapture) {
   ASSERT_EQ(run_pellucid({"sample", "coplanar-stack", "-o", stack}).code, 0);
   const std::string page = folder.file("r.html");
   const std::string file = folder.file("r.json");
-  const Finished done = run_pellucid(
-      quick({stack, samples().plain, "--techniques", "ll,f2b,cpu,ll", "-o", page, "--json", file}));
+  const Finished done = run_pellucid(quick({stack, samples().plain, "--techniques", "ll,f2b,cpu,ll",
+                                            "--flicker", "2", "-o", page, "--json", file}));
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(done.err, "");
   const nlohmann::json json = parse_json_file(file);
@@ -67,6 +67,9 @@ TEST(CompareCommand, TellsWhatTechniquesCapture) {
   EXPECT_LT(f2b["r_h"].get<double>(), 0.9);
   EXPECT_LT(f2b["psnr"].get<double>(), ll["psnr"].get<double>());
   EXPECT_EQ(f2b["coplanar"], 0);
+  EXPECT_EQ(scene["flicker_frames"], 2);
+  EXPECT_LT(ll["flicker"].get<double>(), 0.01);
+  EXPECT_GT(f2b["flicker"].get<double>(), ll["flicker"].get<double>());
   // The reference works on its own fragments, which are the same up to rounding.
   EXPECT_NEAR(cpu["total"].get<double>(), scene["fragments"].get<double>(),
               0.02 * cpu["total"].get<double>());

@@ -103,6 +103,19 @@ TEST(PictureErrors, ShowWhereAndHowMuch) {
   EXPECT_EQ(image.rgb[6], 140);
 }
 
+// An error that stays where it is does not flicker; one that comes and goes does.
+TEST(Flickering, IsTheChangeOfTheError) {
+  const std::vector<Vec3f> white(8, {1, 1, 1});
+  const std::vector<Vec3f> black(8, {0, 0, 0});
+  Flicker steady;
+  EXPECT_EQ(steady.mean(), std::nullopt);
+  for (int i = 0; i < 3; ++i) steady.add(white, black, 8);
+  EXPECT_EQ(steady.mean(), 0);
+  Flicker moving;
+  for (int i = 0; i < 3; ++i) moving.add(i % 2 == 0 ? white : black, white, 4);
+  EXPECT_NEAR(moving.mean().value(), 2 * 255, 1e-6);
+}
+
 TEST(PerceivedErrors, AreNoneOfEqualPictures) {
   const std::vector<Vec3f> exact(12 * 9, {0.2F, 0.7F, 0.4F});
   const PerceivedError error = perceived_error(exact, exact, 12, 9, 108);

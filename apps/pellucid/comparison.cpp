@@ -332,7 +332,8 @@ ComparedSweep sweep(Renderer& renderer, const DrawnScene& drawn, SweepKind kind,
       point.pool = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(value * fragments)));
       at.draw.pool = point.pool;
       // As many bytes as `sb` takes for that pool.
-      at.draw.memory = 12 * point.pool + 8 * std::uint64_t{scene.camera.width} * scene.camera.height;
+      at.draw.memory = 12 * point.pool +
+                       8 * std::uint64_t{scene.camera.width} * scene.camera.height * options.draw.samples;
     }
     std::vector<Contender> all = contenders(renderer, scene, at, session);
     for (Contender& one : all) one.draw_first();

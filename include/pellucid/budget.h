@@ -49,7 +49,7 @@ struct ImportanceOptions {
   double alpha = 0.9, limit = 25;
   double focus_x = 0.5, focus_y = 0.5;  // of `periphery`: point of interest, 0..1 from the upper left
   double falloff = 3;                   // of `periphery`
-  double noise = 0.02;  // is added, centred: 0.1 in the paper; spreads what a level leaves over
+  double noise = 0.003;  // is added, centred: 0.1 in the paper; spreads what a level leaves over
   ImportanceImage image;
 };
 

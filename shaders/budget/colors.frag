@@ -28,7 +28,14 @@ void main() {
       atomicExchange(pool[begin], kHasColor | (uint64_t(depth) << 32) | uint64_t(fragment_color()));
     return;
   }
-  if (kEffect == kDump || place.tail_range == 0u) return;
-  const float scale = tail_scale(kTailBits, place.tail_range);
-  atomicAdd(pool[behind], pack_tail(tail_units(tail_share(fragment_color()), scale, tail_rounding(pixel, id))));
+  if (kEffect == kDump || place.tail == 0u) return;
+  const vec4 share = tail_share(fragment_color());
+  const float rounding = tail_rounding(pixel, id);
+  if (has_weights(place)) {
+    const float last = place.keys > 0u ? uintBitsToFloat(slot_depth(pool[behind - 1u])) : 0.0;
+    const float light = light_in_tail(gl_FragCoord.z, last, place.tail);
+    atomicAdd(pool[behind], weighted_units(share, light, place.tail, rounding));
+  } else {
+    atomicAdd(pool[behind], pack_tail(tail_units(share, tail_scale(kTailBits, tail_range(place)), rounding)));
+  }
 }

@@ -14,7 +14,7 @@ shared uint64_t sums[64];
 float importance_of(uint pixel, uint fragments) {
   if (fragments == 0u) return 0.0;
   float importance = 1.0;
-  if (has_term(kOpacityTerm)) importance *= opacity_term(fragments, survey[depth_word(pixel)]);
+  if (has_term(kOpacityTerm)) importance *= opacity_term(fragments, surveyed_depth(pixel));
   if (has_term(kComplexityTerm)) importance *= complexity_term(fragments);
   if (has_term(kPeripheryTerm)) importance *= periphery_term(pixel);
   if (has_term(kFresnelTerm)) importance *= fresnel_term(survey[nearest_word(pixel)]);
@@ -27,7 +27,7 @@ void main() {
   uint64_t sum = uint64_t(0);
   const uint first = first_pixel();
   for (uint i = first; i < min(first + kLanePixels, pixel_count()); ++i) {
-    const float importance = importance_of(i, survey[i]);
+    const float importance = importance_of(i, surveyed_fragments(i));
     map[i] = floatBitsToUint(importance);
     sum += uint64_t(kImportanceUnits * importance);
   }

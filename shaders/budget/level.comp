@@ -35,7 +35,7 @@ void main() {
   for (uint c = 0u; c < kLevels; ++c) sums[c] = 0u;
   const uint first = first_pixel();
   for (uint i = first; i < min(first + kLanePixels, pixel_count()); ++i) {
-    const uint fragments = survey[i];
+    const uint fragments = surveyed_fragments(i);
     if (fragments == 0u) continue;
     const float importance = uintBitsToFloat(map[i]);
     for (uint c = 0u; c < kLevels; ++c)

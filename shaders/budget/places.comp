@@ -3,21 +3,19 @@
 #include "../interface/frame.glsl"
 #include "budget.glsl"
 #include "survey.glsl"
-#include "tail.glsl"
+#include "weighted_tail.glsl"
 // The place of every pixel (places.glsl), in the sequence of pixels.
 layout(local_size_x = 64) in;
 const uint kPlaceBits = 27u;
 shared uvec2 sums[64];
 
-// Of the tail, which takes one of the slots; 0: there is none. Where all optical depths of the pixel were summed up
-// their sum bounds the tail's, twice, so that rounding does not matter. Edges of wireframes were not looked at.
-uint tail_range(uint pixel, uint fragments, uint slots) {
+// Of the tail, which takes one of the slots: its code where all optical depths of the pixel were summed up, else its
+// range; 0: there is none. Edges of wireframes were not looked at.
+uint tail_of(uint pixel, uint fragments, uint slots) {
   if (kK == kPrinted ? fragments == 0u : slots >= fragments) return 0u;
   const uint tail = max(fragments + 1u, slots + 1u) - slots;
-  const uint range = range_of(tail);
-  if (!has_term(kDepthSurvey) || kEffect == 1u || tail >= 32768u) return range;
-  const float sum = 2.0 * (float(survey[depth_word(pixel)] + fragments) / kDepthUnits);
-  return min(range, uint(max(int(ceil(log2(sum))) + kRangeBias, 1)));
+  if (!has_term(kDepthSurvey) || kEffect == 1u) return range_of(tail);
+  return code_of(float(surveyed_depth(pixel) + fragments) / kDepthUnits, tail);
 }
 
 void main() {
@@ -26,19 +24,19 @@ void main() {
   const uint first = first_pixel();
   const uint end = min(first + kLanePixels, pixel_count());
   uvec2 sum = uvec2(0u);
-  for (uint i = first; i < end; ++i) sum += slots_of(i, survey[i]);
+  for (uint i = first; i < end; ++i) sum += slots_of(i, surveyed_fragments(i));
   sums[lane] = sum;
   barrier();
   if (first >= pixel_count()) return;
   uvec2 before = budget.groups[group];
   for (uint i = 0u; i < lane; ++i) before += sums[i];
   for (uint i = first; i < end; ++i) {
-    const uint fragments = survey[i];
+    const uint fragments = surveyed_fragments(i);
     const uvec2 here = slots_of(i, fragments);
     const uint place = before.x + min(before.y, budget.leftover);
     before += here;
     const uint behind = before.x + min(before.y, budget.leftover);
-    map[i] = tail_range(i, fragments, behind - place) << kPlaceBits | place;
+    map[i] = tail_of(i, fragments, behind - place) << kPlaceBits | place;
     if (i + 1u == pixel_count()) map[i + 1u] = behind;
   }
 }

@@ -35,9 +35,8 @@ void main() {
       if (!done) effect_step(state, pixel, Fragment(uintBitsToFloat(depth), low, low));
       done = done || effect_is_done(state);
     }
-    if (place.tail_range > 0u && effect_blends()) {
-      const vec4 layer = tail_layer(unpack_tail(pool[place.first + place.keys]),
-                                    tail_scale(kTailBits, place.tail_range));
+    if (place.tail > 0u && effect_blends()) {
+      const vec4 layer = layer_of_tail(place);
 #ifdef MEASURE
       measure_residue(pixel, state.color.a * (1.0 - layer.a));
 #endif

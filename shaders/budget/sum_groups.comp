@@ -14,7 +14,7 @@ void main() {
   barrier();
   uvec2 sum = uvec2(0u);
   const uint first = first_pixel();
-  for (uint i = first; i < min(first + kLanePixels, pixel_count()); ++i) sum += slots_of(i, survey[i]);
+  for (uint i = first; i < min(first + kLanePixels, pixel_count()); ++i) sum += slots_of(i, surveyed_fragments(i));
   atomicAdd(slots, sum.x);
   atomicAdd(more, sum.y);
   barrier();

@@ -12,7 +12,7 @@ vec2 place_of(uint pixel) { return place_in_picture(uvec2(pixel % frame.size.x, 
 // Fragments that it takes to halve the light, on average: with slots in this proportion as much light gets through
 // those of one pixel as through those of another.
 float opacity_term(uint fragments, uint depth_units) {
-  return float(fragments) * kDepthUnits / float(max(depth_units, fragments * 15u));
+  return float(fragments) * kDepthUnits / float(max(depth_units, fragments * 7u));
 }
 
 // Equation 3.

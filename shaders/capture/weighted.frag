@@ -11,12 +11,13 @@ layout(location = 1) out float depth_sum;
 const float kMostDepth = 32.0;
 const float kLeastWeight = 1e-2;
 const float kMostWeight = 3e3;
+// Only ratios of weights matter: half floats hold the sums of 256 fragments of the largest weight, and of colours up to 2.
+const float kScale = 65504.0 / (256.0 * 2.0 * kMostWeight);
 
 void main() {
   const vec4 c = unpack_color(fragment_color());
   const float near = 1.0 - gl_FragCoord.z;
   const float weight = c.a * clamp(kMostWeight * near * near * near, kLeastWeight, kMostWeight);
-  // Only ratios of weights matter: scaled so that no sum gets too large for half floats.
-  sums = vec4(c.rgb, 1.0) * (c.a * weight * uintBitsToFloat(push.p0));
+  sums = vec4(c.rgb, 1.0) * (c.a * weight * kScale);
   depth_sum = optical_depth(c.a, kMostDepth);
 }

@@ -11,7 +11,8 @@ void main() {
   if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
   const ivec2 place = ivec2(gl_GlobalInvocationID.xy);
   const uint pixel = pixel_index(gl_GlobalInvocationID.xy);
-  const vec4 sum = texelFetch(sums, place, 0);
+  const float kMostHalf = 65504.0;
+  const vec4 sum = min(texelFetch(sums, place, 0), kMostHalf);
   const float transmittance = exp2(-texelFetch(depth_sums, place, 0).r);
   const vec3 mean = sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
   picture[pixel] = vec4(mix(mean, background_of(pixel), transmittance), 1.0 - transmittance);

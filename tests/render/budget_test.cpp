@@ -103,6 +103,18 @@ TEST_P(Budget, MoreBytesNeverLoseMore) {
   EXPECT_EQ(kept, draw(16).oracle.fragments.size());
 }
 
+// From blocks of pixels to a slot for each, and on to what else is surveyed.
+TEST_P(Budget, MoreBytesNeverLoseMoreWhereTheSurveyBeginsToFit) {
+  options_.maps = false;
+  options_.keep_fragments = false;
+  std::uint64_t kept = 0;
+  for (std::uint64_t memory = 7U * kSide * kSide; memory < 15U * kSide * kSide; memory += kSide * kSide / 3) {
+    const std::uint64_t captured = draw(memory).result.stats.captured;
+    EXPECT_GE(captured, kept) << memory;
+    kept = captured;
+  }
+}
+
 // Fixed point and the sequence of blending are all that may differ.
 TEST_P(Budget, EnoughBytesGiveTheExactPicture) {
   const Drawn drawn = draw(4'000'000);
@@ -123,14 +135,49 @@ TEST_P(Budget, TailsHaveTheRightTransmittance) {
   testing::test_renderer().load(scene);
   const Camera camera = testing::unit_camera(kSide, kSide);
   const RenderResult expected = testing::test_renderer().draw(camera, {.plain_resolve = true});
+  const RenderResult expected_on_black =
+      testing::test_renderer().draw(camera, {.background = {0, 0, 0}, .plain_resolve = true});
+  // Without a survey the range of the sums is that of the most fragments that there may be.
+  const bool surveyed = GetParam() != "fixed-k";
   for (const std::uint64_t bytes_of_a_pixel : {14U, 30U}) {
+    options_.background = {1, 1, 1};
     const Drawn drawn = draw(scene, bytes_of_a_pixel * kSide * kSide);
+    options_.background = {0, 0, 0};
+    const RenderResult on_black = draw(scene, bytes_of_a_pixel * kSide * kSide).result;
     ASSERT_LT(drawn.result.stats.captured, drawn.result.stats.fragments);
     float largest = 0;
-    for (std::size_t p = 0; p < expected.pixels.size(); ++p)
+    float transmittance = 0;
+    for (std::size_t p = 0; p < expected.pixels.size(); ++p) {
       largest = std::max(largest, testing::difference(expected.pixels[p], drawn.result.pixels[p]));
-    // Without a survey the range of the sums is that of the most fragments that there may be.
-    EXPECT_LT(largest, GetParam() == "fixed-k" ? 0.06F : 0.005F) << bytes_of_a_pixel;
+      const float light = drawn.result.pixels[p].x - on_black.pixels[p].x;
+      transmittance =
+          std::max(transmittance, std::abs(light - (expected.pixels[p].x - expected_on_black.pixels[p].x)));
+    }
+    EXPECT_LT(largest, surveyed ? 0.025F : 0.06F) << bytes_of_a_pixel;
+    EXPECT_LT(transmittance, surveyed ? 0.005F : 0.06F) << bytes_of_a_pixel;
+  }
+}
+
+// What is spread evenly behind the last fragment that was kept is seen by the light that gets to it: dark
+// sheets in front of bright ones, two slots a pixel.
+TEST_P(Budget, TailsKnowWhatIsInFrontOfThem) {
+  RenderScene scene;
+  for (int i = 0; i < 16; ++i) {
+    RenderScene sheet = testing::coplanar_squares(1, static_cast<float>(i) / 16);
+    sheet.surfaces[0] = {.color = Vec3f{1, 1, 1} * (i < 8 ? 0.1F : 0.9F), .alpha = 0.25F};
+    scene = i == 0 ? sheet : testing::joined(scene, sheet);
+  }
+  options_.keep_fragments = false;
+  const Drawn drawn = draw(scene, (4U + 16U) * kSide * kSide + 4096);
+  const RenderResult exact =
+      testing::test_renderer().draw(testing::unit_camera(kSide, kSide), {.plain_resolve = true});
+  EXPECT_LE(drawn.result.stats.k_most.value_or(0), 2U);
+  const float error = testing::difference(drawn.result.pixels[0], exact.pixels[0]);
+  // A mean of all colours alike is off by 0.2.
+  if (GetParam() == "fixed-k") {
+    EXPECT_GT(error, 0.1F);
+  } else {
+    EXPECT_LT(error, 0.05F);
   }
 }
 
@@ -145,7 +192,7 @@ TEST_P(Budget, TailsOfManyOpaqueFragmentsAreOpaque) {
     const Drawn drawn = draw(scene, memory);
     for (std::size_t p = 0; p < expected.pixels.size(); ++p) {
       if (memory == 64 && drawn.n(p) == 0) continue;  // has a part of its block's tail
-      ASSERT_LT(testing::difference(expected.pixels[p], drawn.result.pixels[p]), 0.02F) << memory;
+      ASSERT_LT(testing::difference(expected.pixels[p], drawn.result.pixels[p]), 0.06F) << memory;
     }
   }
 }
@@ -335,11 +382,11 @@ TEST_P(GivenOut, ResidueIsOfTheLastFrame) {
   const Camera camera = testing::unit_camera(kSide, kSide);
   const auto next = [&] { return testing::test_renderer().draw(camera, options_); };
   const RenderResult first = next();
-  EXPECT_EQ(first.stats.geometry_passes, 6U);
+  EXPECT_EQ(first.stats.geometry_passes, 7U);
   EXPECT_LE(first.stats.bytes, options_.memory);
   EXPECT_LT(first.stats.captured, first.stats.fragments);
   const RenderResult second = next();
-  EXPECT_EQ(second.stats.geometry_passes, 3U);
+  EXPECT_EQ(second.stats.geometry_passes, 4U);
   EXPECT_NE(first.maps.importance, second.maps.importance);
   for (std::size_t p = 0; p < first.maps.k.size(); ++p) {
     // Where nothing was left to a tail, no more is asked for.

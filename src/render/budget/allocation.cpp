@@ -20,7 +20,9 @@ struct BudgetState {
 };
 static_assert(sizeof(BudgetState) == kBudgetHead);
 
-constexpr std::uint32_t kDepthSurvey = 64;  // shaders/budget/survey.glsl
+// shaders/budget/survey.glsl
+constexpr std::uint32_t kDepthSurvey = 64;
+constexpr std::uint32_t kPackedSurvey = 128;
 constexpr std::uint32_t kSearchRounds = 8;  // of four bits each
 
 struct Groups {
@@ -37,7 +39,8 @@ Groups groups_of(std::uint64_t pixels) {
 
 void PlaceMap::allocate(Frame& frame, const MappedPlan& plan, Sharing sharing, const Importance& importance) {
   sharing_ = sharing;
-  terms_ = importance.terms | (importance.depths ? kDepthSurvey : 0U);
+  terms_ =
+      importance.terms | (importance.depths ? kDepthSurvey : 0U) | (importance.packed ? kPackedSurvey : 0U);
   map_ = frame.make_buffer("map of places", plan.map_bytes);
   state_ = frame.make_buffer("budget", plan.state_bytes);
   // To be looked at, not to be drawn with: not the technique's own.

@@ -11,14 +11,15 @@ enum class Sharing : std::uint32_t { water, uniform, printed };
 
 struct Importance {
   std::uint32_t terms = 0;  // a sum of ImportanceTerm
-  bool depths = true;       // optical depths are summed up: for `opacity`, and so that tails are precise
+  bool depths = true;       // optical depths are summed up: for `opacity`, and for weights in tails
+  bool packed = false;      // with the number of fragments in one word
   ImportanceOptions options;
   [[nodiscard]] bool has(ImportanceTerm term) const {
     return (terms & static_cast<std::uint32_t>(term)) != 0;
   }
   // Words of a pixel that shaders/budget/survey.glsl takes.
   [[nodiscard]] std::uint64_t survey_words() const {
-    return 1U + (depths ? 1U : 0U) + (has(ImportanceTerm::fresnel) ? 1U : 0U);
+    return 1U + (depths && !packed ? 1U : 0U) + (has(ImportanceTerm::fresnel) ? 1U : 0U);
   }
 };
 

@@ -22,6 +22,12 @@ constexpr std::uint32_t kPlaceMask = (1U << kPlaceBits) - 1;
 constexpr std::uint32_t kNoResidue = 0x80808080U;  // shaders/budget/terms.glsl
 constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;      // kNoKey, and a tail that nothing was put into
 
+// Where no pixel has more, the survey is a word a pixel (shaders/budget/survey.glsl).
+constexpr std::uint64_t kMostPacked = 1023;
+
+// shaders/budget/places.glsl: kVariant.
+enum class Places : std::uint32_t { uniform, mapped, mapped_with_weights };
+
 // shaders/budget/tail.glsl: range_of().
 std::uint32_t tail_range(std::uint64_t fragments) {
   constexpr std::uint32_t kMostDepthBits = 3;
@@ -77,6 +83,8 @@ class Blocks {
 
 class BudgetBuffer : public Technique {
  public:
+  // How much there is to hold decides what is made of the budget.
+  [[nodiscard]] bool needs_counts() const override { return true; }
   // No buffer is larger than the device lets a shader address.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& /*frame*/) const override { return 0; }
   void allocate(Frame& frame) override {
@@ -113,10 +121,10 @@ class BudgetBuffer : public Technique {
   [[nodiscard]] virtual std::vector<std::uint32_t> keys(const Frame& frame) const = 0;
   [[nodiscard]] virtual std::vector<float> importance(const Frame& frame) const = 0;
 
-  // The passes over the fragments, once places are known. `mapped`: kVariant of shaders/budget/places.glsl.
-  static void record_capture(const Frame& frame, Recorder& recorder, const Buffer& pool, bool mapped,
+  // The passes over the fragments, once places are known.
+  static void record_capture(const Frame& frame, Recorder& recorder, const Buffer& pool, Places places,
                              std::string_view resolve = "budget/resolve.comp") {
-    const Constants constants{frame.effect, 0, mapped ? 1U : 0U};
+    const Constants constants{frame.effect, 0, static_cast<std::uint32_t>(places)};
     recorder.bind(Slot::a, pool);
     recorder.fill(pool, kEmpty);
     recorder.barrier();
@@ -142,7 +150,7 @@ class FixedK final : public BudgetBuffer {
   }
   void record_places(Frame& frame, Recorder& recorder) override {
     recorder.push().p = {slots_, tail_range(frame.deepest), 0, 0};
-    record_capture(frame, recorder, pool_, false);
+    record_capture(frame, recorder, pool_, Places::uniform);
   }
   [[nodiscard]] std::vector<std::uint32_t> keys(const Frame& frame) const override {
     return std::vector<std::uint32_t>(frame.pixels(), slots_ - 1);
@@ -163,19 +171,20 @@ class MappedK final : public BudgetBuffer {
  protected:
   bool allocate_places(Frame& frame, const BudgetDemand& demand) override {
     Importance wanted = importance_of(frame);
+    wanted.packed = frame.deepest <= kMostPacked;
     Sharing sharing = by_importance_ ? Sharing::water : Sharing::uniform;
     if (by_importance_ && frame.options.allocation == Allocation::printed) sharing = Sharing::printed;
     const std::uint64_t given = given_bytes(frame, wanted);
     MappedPlan plan = plan_mapped(demand, wanted.survey_words(), given);
-    // Less is surveyed, where there is no room for more: tails are less precise then, and in the end all
-    // pixels of equal importance.
-    if (plan.slots == 0 && !wanted.has(ImportanceTerm::opacity)) {
+    // Less is surveyed, where there is no room for more: tails have no weights then, and in the end all
+    // pixels are of equal importance.
+    if (plan.slots == 0 && !wanted.packed && !wanted.has(ImportanceTerm::opacity)) {
       wanted.depths = false;
       plan = plan_mapped(demand, wanted.survey_words(), given);
     }
     if (plan.slots == 0) {
       wanted.terms = 0;
-      wanted.depths = false;
+      wanted.depths = wanted.packed;
       plan = plan_mapped(demand, wanted.survey_words(), 0);
     }
     if (plan.slots == 0) return false;
@@ -183,6 +192,8 @@ class MappedK final : public BudgetBuffer {
     if (wanted.has(ImportanceTerm::image)) upload_image(frame, wanted.options.image);
     if (wanted.has(ImportanceTerm::residue)) keep_residue(frame);
     map_.allocate(frame, plan, sharing, wanted);
+    // Edges of wireframes are not surveyed.
+    if (wanted.depths && frame.options.effect == Effect::transparency) places_ = Places::mapped_with_weights;
     return true;
   }
   void record_places(Frame& frame, Recorder& recorder) override {
@@ -214,7 +225,8 @@ class MappedK final : public BudgetBuffer {
     map_.record(frame, recorder, pool_, given);
     const bool measures = uses_residue_ && frame.effect != kDumpEffect;
     if (measures) recorder.bind(Slot::e, *frame.residue);
-    record_capture(frame, recorder, pool_, true,
+    recorder.push().p[1] = tail_range(frame.deepest);
+    record_capture(frame, recorder, pool_, places_,
                    measures ? "budget/resolve_measure.comp" : "budget/resolve.comp");
   }
   [[nodiscard]] Importance importance_of(const Frame& frame) const {
@@ -256,6 +268,7 @@ class MappedK final : public BudgetBuffer {
   }
 
   bool by_importance_;
+  Places places_ = Places::mapped;
   bool uses_residue_ = false, is_first_ = false;
   PlaceMap map_;
   Buffer pool_, given_;
@@ -269,7 +282,7 @@ TechniqueEntry fixed_k() {
            .paper = "Maule et al. 2013",
            .exact = false,
            .captures = "the k nearest of a pixel; the others blended without order",
-           .passes_formula = "2",
+           .passes_formula = "3",
            .bytes_formula = "8 k + 8",
            .budgeted = true,
            .keeps_tail = true,
@@ -283,7 +296,7 @@ TechniqueEntry k_plus() {
            .paper = "Vasilakis et al. 2015",
            .exact = false,
            .captures = "the k nearest of a pixel; the others blended without order",
-           .passes_formula = "3",
+           .passes_formula = "4",
            .bytes_formula = "8 min(N, k + 1) + 4",
            .budgeted = true,
            .keeps_tail = true,
@@ -297,7 +310,7 @@ TechniqueEntry variable_k() {
            .paper = "Vasilakis et al. 2017",
            .exact = false,
            .captures = "the k(p) nearest of a pixel; the others blended without order",
-           .passes_formula = "3",
+           .passes_formula = "4",
            .bytes_formula = "8 min(N, k(p) + 1) + 4",
            .budgeted = true,
            .keeps_tail = true,

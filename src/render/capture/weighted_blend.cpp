@@ -1,7 +1,5 @@
 // Weighted blended transparency: colours are added up with weights that fall with depth, in one pass.
 // McGuire, Bavoil, "Weighted Blended Order-Independent Transparency", JCGT 2013.
-#include <bit>
-
 #include "blending_techniques.h"
 #include "color_sums.h"
 
@@ -16,11 +14,6 @@ class WeightedBlend final : public Technique {
     depths_ = frame.make_image("optical depths", kDepthSums);
   }
   void start(Frame& frame, Recorder& recorder) override {
-    // A fragment adds this at most with the weight 3,000 and the colour 2, and half floats end at 65,504.
-    constexpr float kMostOfAPixel = 60'000.0F;
-    constexpr float kMostOfAFragment = 6'000.0F;
-    const float deepest = static_cast<float>(std::max<std::uint64_t>(frame.deepest, 1));
-    recorder.push().p[0] = std::bit_cast<std::uint32_t>(kMostOfAPixel / (kMostOfAFragment * deepest));
     draw_sums(frame, recorder, "capture/weighted.frag", {frame.effect}, {&colors_, &depths_});
     resolve_sums(frame, recorder, colors_, depths_);
   }

@@ -1,0 +1,47 @@
+// A tail whose colours are weighted by the light that gets to them. What is in front of a fragment of the tail is not
+// known, but the pixel's optical depth is, from the survey: if it is evenly spread from the last fragment that was kept to
+// the far plane, a fragment at a share x of that way gets 2^-(x depth) of the light. Transmittance stays the product of
+// all. Five sums in a word: red, green, blue and weight of 13 bits, optical depth of 12.
+#ifndef WEIGHTED_TAIL_GLSL
+#define WEIGHTED_TAIL_GLSL
+#include "tail.glsl"
+const uint kWeightBits = 13u;
+const uint kDepthBits = 12u;
+
+// Sums are below 2^(code / 2 - 2), a little more than the pixel's optical depth, so that 255 fragments may be rounded up.
+const uint kLastCode = 30u;
+const uint kManyFragments = 31u;  // or too great a depth: a tail without weights
+float bound_of(uint code) { return exp2(0.5 * float(code) - 2.0); }
+uint code_of(float depth, uint fragments) {
+  const float bound = depth * (16.0 / 15.0);
+  if (fragments >= 256u || bound > bound_of(kLastCode)) return kManyFragments;
+  return uint(clamp(ceil(2.0 * log2(bound) + 4.0), 1.0, float(kLastCode)));
+}
+
+// `last`: depth of the last fragment that was kept, 0 where there is none.
+float light_in_tail(float z, float last, uint code) {
+  const float kShareOfBound = 0.8;  // that the depth of the tail is, on average
+  const float kMostExponent = 4.0;  // sums keep enough bits
+  const float begin = view_distance(last);
+  const float way = view_distance(1.0) - begin;
+  const float share = way > 0.0 ? clamp((view_distance(z) - begin) / way, 0.0, 1.0) : 0.0;
+  return exp2(-min(kShareOfBound * bound_of(code) * share, kMostExponent));
+}
+
+uint64_t weighted_units(vec4 share, float light, uint code, float rounding) {
+  const float bound = bound_of(code);
+  const uvec4 units = uvec4(floor(light * share * (exp2(float(kWeightBits)) / bound) + rounding));
+  const uint depth = uint(floor(share.w * (exp2(float(kDepthBits)) / bound) + rounding));
+  return uint64_t(units.x) | (uint64_t(units.y) << 13) | (uint64_t(units.z) << 26) | (uint64_t(units.w) << 39) |
+         (uint64_t(depth) << 52);
+}
+
+// Premultiplied colour and transmittance of a layer. `sums`: of weighted_units().
+vec4 weighted_layer(uint64_t sums, uint code) {
+  const uint kMask = (1u << kWeightBits) - 1u;
+  const vec3 color = vec3(uint(sums) & kMask, uint(sums >> 13) & kMask, uint(sums >> 26) & kMask);
+  const float weight = float(uint(sums >> 39) & kMask);
+  const float transmittance = exp2(-float(uint(sums >> 52)) * bound_of(code) / exp2(float(kDepthBits)));
+  return vec4((1.0 - transmittance) * 2.0 * color / max(weight, 1.0), transmittance);
+}
+#endif

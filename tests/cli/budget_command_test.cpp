@@ -48,6 +48,18 @@ TEST(BudgetOptions, KeepWithinTheMemory) {
   EXPECT_EQ(run_pellucid(render(folder, {"--memory", "10"})).code, 2);
 }
 
+// Every sample is a pixel of its own: bytes for all fragments hold all of them.
+TEST(BudgetOptions, SweepsOfMemoryKnowOfSamples) {
+  const Finished done =
+      run_pellucid({"compare", samples().plain, "--techniques", "k-plus", "--sweep", "memory", "--samples",
+                    "4", "--size", "48x32", "--frames", "1", "--validate", "--json", "-"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err, "");
+  const nlohmann::json points = nlohmann::json::parse(done.out)["sweeps"][0]["points"];
+  EXPECT_LT(points.front()["techniques"][0]["r_h"].get<double>(), 1);
+  EXPECT_EQ(points.back()["techniques"][0]["r_h"], 1);
+}
+
 TEST(BudgetOptions, WriteMapsAndReadAnImportanceImage) {
   const TemporaryFolder folder;
   const std::string maps = folder.file("maps");

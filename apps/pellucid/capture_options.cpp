@@ -43,7 +43,7 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
-  command.add_option("--samples", options.samples, "Samples of a pixel: 1 or 4")
+  command.add_option("--samples,--msaa", options.samples, "Samples of a pixel: 1 or 4")
       ->check(CLI::IsMember({1, 4}))
       ->type_name("N")
       ->capture_default_str();

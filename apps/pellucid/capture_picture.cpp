@@ -10,6 +10,7 @@
 
 #include "budget_options.h"
 #include "capture_options.h"
+#include "deep_pixels.h"
 #include "file_camera.h"
 #include "pellucid/compare_report.h"
 #include "pellucid/report.h"
@@ -34,6 +35,7 @@ struct Taken {
   std::string output, camera;
   double time = 0;
   CaptureStats stats;
+  nlohmann::ordered_json pixels;  // of --pixel
 };
 
 void print_result(const CapturePicture& picture, const std::string& device, const Taken& taken,
@@ -105,10 +107,12 @@ nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string&
                                  {"triangles", triangles}};
   if (picture.shots.empty()) {
     json.update(to_json(taken.front().stats, pixels));
+    if (!picture.pixels.empty()) json["deep_pixels"] = taken.front().pixels;
   } else {
     for (const Taken& one : taken) {
       nlohmann::ordered_json entry = {{"output", one.output}, {"camera", one.camera}, {"time", one.time}};
       entry.update(to_json(one.stats, pixels));
+      if (!picture.pixels.empty()) entry["deep_pixels"] = one.pixels;
       json["pictures"].push_back(std::move(entry));
     }
   }
@@ -211,6 +215,14 @@ class Stage {
     return result;
   }
 
+  // What draw() drew, all of it.
+  DeepPicture draw_deep(const Camera& camera, Renderer* renderer, const Session& session) {
+    const RenderOptions options = deep_options(options_);
+    return make_deep_picture(renderer == nullptr ? draw_reference(drawn_, camera, options)
+                                                 : renderer->draw(camera, options, session.progress()),
+                             drawn_, camera);
+  }
+
  private:
   const CapturePicture& picture_;
   const Model& model_;
@@ -230,6 +242,7 @@ void render_capture(const CapturePicture& picture, Session& session) {
   const Stopwatch watch;
   const bool reference = picture.options.technique == kReference;
   if (!picture.maps.empty()) check_maps(picture.options.technique);
+  if (wants_fragments(picture)) check_deep(picture);
   // A device that is not there is told before a large file is read.
   std::optional<Renderer> renderer;
   if (!reference) renderer.emplace(picture.device);
@@ -255,8 +268,14 @@ void render_capture(const CapturePicture& picture, Session& session) {
     const std::string output = numbered(picture.output);
     write_png(to_image(result), output);
     if (!picture.maps.empty()) write_maps(result, picture.options.samples, numbered(picture.maps));
-    taken.push_back({output, shot.camera, time, result.stats});
+    taken.push_back({output, shot.camera, time, result.stats, {}});
     print_result(picture, device, taken.back(), session);
+    if (wants_fragments(picture)) {
+      const DeepPicture deep = stage.draw_deep(camera, renderer ? &*renderer : nullptr, session);
+      if (!picture.deep.empty()) write_deep_exr(deep, numbered(picture.deep));
+      session.print(pixel_tables(picture, deep));
+      taken.back().pixels = pixels_json(picture, deep);
+    }
   }
   if (renderer)
     for (const std::string& message : renderer->validation_messages()) session.note(message);

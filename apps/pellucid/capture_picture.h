@@ -22,9 +22,11 @@ struct CapturePicture {
   Surfaces surfaces = Surfaces::uniform;
   SurfaceLook look;
   std::uint32_t width = 0, height = 0;
-  std::string importance_image;  // path; empty: none
-  std::string maps;              // folder for heat maps of techniques with a budget; empty: none
-  std::uint32_t flicker = 0;     // frames of `compare --flicker`
+  std::string importance_image;     // path; empty: none
+  std::string maps;                 // folder for heat maps of techniques with a budget; empty: none
+  std::string deep;                 // OpenEXR file of all fragments; empty: none
+  std::vector<std::string> pixels;  // "X,Y" each, whose fragments are printed
+  std::uint32_t flicker = 0;        // frames of `compare --flicker`
   std::uint32_t frames = 1;  // drawn; the time is the median of all but the first, in which drivers compile
 };
 

@@ -9,6 +9,7 @@
 #include "capture_options.h"
 #include "capture_picture.h"
 #include "choice.h"
+#include "deep_pixels.h"
 #include "file_camera.h"
 #include "pellucid/metric.h"
 #include "pellucid/report.h"
@@ -51,8 +52,8 @@ bool draws_orders(const RenderCommand& options) {
   return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
          options.capture.surfaces == Surfaces::uniform && options.capture.animation.empty() &&
          !is_file_camera(options.camera) && options.orbit == 0 && options.path.empty() &&
-         options.capture.maps.empty() && options.capture.options.samples == 1 &&
-         !options.capture.options.cull;
+         options.capture.maps.empty() && !wants_fragments(options.capture) &&
+         options.capture.options.samples == 1 && !options.capture.options.cull;
 }
 
 void run_capture(const RenderCommand& options, Session& session) {
@@ -88,6 +89,7 @@ void run_capture(const RenderCommand& options, Session& session) {
 
 void run_render(const RenderCommand& options, Session& session) {
   check_writable(options.output);
+  if (!options.capture.deep.empty()) check_writable(options.capture.deep);
   session.check_json();
   if (!draws_orders(options)) return run_capture(options, session);
   const Stopwatch watch;
@@ -154,6 +156,7 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       "  pellucid render bottles.glb -o all.png --technique sb --surfaces file\n"
       "  pellucid render fox.glb -o run.png --technique sb --surfaces file --animation Run --time 0.3\n"
       "  pellucid render bottles.glb -o turn.png --technique sb --orbit 36\n"
+      "  pellucid render bottles.glb -o all.png --technique sb --deep all.exr --pixel 640,360\n"
       "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
       1, [options](Session& session) { run_render(*options, session); });
   RenderCommand& o = *options;
@@ -198,6 +201,13 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->add_option("--maps", o.capture.maps,
                    "Write importance.png, k.png and loss.png of a technique with --memory into this folder")
       ->type_name("FOLDER");
+  command->add_option("--deep", o.capture.deep, "Write all fragments of all pixels as a deep OpenEXR file")
+      ->type_name("FILE");
+  command
+      ->add_option("--pixel", o.capture.pixels, "Print all fragments of this pixel; several times for more")
+      ->type_name("X,Y")
+      ->take_all()
+      ->allow_extra_args(false);
   command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
   add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},
              "lit: lighting of a translucent surface (default); depth: depth as colour");

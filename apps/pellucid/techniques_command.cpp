@@ -30,7 +30,8 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"can_cull", t.can_cull},
           {"blends_only", t.blends_only},
           {"budgeted", t.budgeted},
-          {"keeps_tail", t.keeps_tail}};
+          {"keeps_tail", t.keeps_tail},
+          {"msaa", {1, 4}}};
 }
 
 // Ways of --sync that the device has.

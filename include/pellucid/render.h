@@ -235,6 +235,8 @@ struct CaptureStats {
 struct CapturedFragments {
   std::vector<std::uint64_t> offsets;  // of every pixel (or, pixel by pixel, of every sample), and the end
   std::vector<Fragment> fragments;     // as they were delivered
+  // Of each: linear colour, lit, and opacity; empty for techniques with a tail.
+  std::vector<std::array<float, 4>> colors;
 };
 
 struct RenderResult {

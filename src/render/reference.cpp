@@ -49,6 +49,8 @@ class Reference {
   [[nodiscard]] std::optional<std::array<double, 2>> on_screen(const Vec3f& position) const;
   [[nodiscard]] double view_distance(double depth) const;
   void shade(std::uint64_t p, std::span<const Fragment> fragments);
+  void keep_colors(std::uint64_t p, std::span<const Fragment> fragments,
+                   std::vector<std::array<float, 4>>& colors);
   // Back faces of what shows only its fronts, and what a texture cuts out.
   void drop_undrawn(FragmentBuffer& fragments) const;
   // The background of a pixel, and what is in front of it.
@@ -288,6 +290,16 @@ Vec3d Reference::pixel(std::uint64_t p, std::span<const Fragment> fragments) {
   return blended(p, shaded_);
 }
 
+void Reference::keep_colors(std::uint64_t p, std::span<const Fragment> fragments,
+                            std::vector<std::array<float, 4>>& colors) {
+  if (fragments.empty()) return;
+  shade(p, fragments);
+  for (const ShadedFragment& f : shaded_) {
+    const Vec3f color = to_float(f.color);
+    colors.push_back({color.x, color.y, color.z, static_cast<float>(f.alpha)});
+  }
+}
+
 RenderResult Reference::draw() {
   const Stopwatch watch;
   FragmentBuffer fragments;
@@ -302,6 +314,7 @@ RenderResult Reference::draw() {
   for (std::size_t p = 0; p + 1 < fragments.offsets.size(); ++p) {
     const auto list = fragments.pixel(p);
     result.pixels.push_back(to_float(pixel(p, list)));
+    if (options_.keep_fragments) keep_colors(p, list, result.fragments.colors);
     stats.covered_pixels += list.empty() ? 0U : 1U;
     stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, list.size());
     std::uint64_t coplanar = 0;
@@ -312,8 +325,10 @@ RenderResult Reference::draw() {
   stats.geometry_passes = 1;
   stats.bytes = 8 * (fragments.fragments.size() + fragments.offsets.size());
   stats.milliseconds = 1000 * watch.seconds();
-  if (options_.keep_fragments)
-    result.fragments = {std::move(fragments.offsets), std::move(fragments.fragments)};
+  if (options_.keep_fragments) {
+    result.fragments.offsets = std::move(fragments.offsets);
+    result.fragments.fragments = std::move(fragments.fragments);
+  }
   return result;
 }
 

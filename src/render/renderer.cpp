@@ -27,6 +27,15 @@ namespace pellucid {
 namespace render {
 namespace {
 
+constexpr std::size_t kDumpWords = 3;  // of a fragment: shaders/resolve/dump.glsl
+
+// As shaders/interface/frame.glsl packs it.
+std::array<float, 4> unpack_color(std::uint32_t packed) {
+  const auto channel = [&](unsigned shift) { return static_cast<float>((packed >> shift) & 255U) / 255.0F; };
+  const auto linear = [&](unsigned shift) { return 2 * channel(shift) * channel(shift); };
+  return {linear(0), linear(8), linear(16), channel(24)};
+}
+
 OwnedQueryPool make_timestamps(Context& context) {
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .queryType = VK_QUERY_TYPE_TIMESTAMP,
@@ -93,7 +102,8 @@ struct Renderer::Implementation {
                               std::uint32_t first, std::uint32_t count, const render::Culling* culling,
                               CaptureStats& stats);
   void read_picture(const render::Frame& frame, RenderResult& result);
-  void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump,
+  // `colored`: with their colours.
+  void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump, bool colored,
                       RenderResult& result);
 
   render::Context context;
@@ -288,7 +298,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     offsets.push_back(0);
     for (const std::uint32_t n : counts) offsets.push_back(offsets.back() + n);
     std::vector<std::uint32_t> words = offsets;
-    words.resize(offsets.size() + 2 * frame.fragments, 0);
+    words.resize(offsets.size() + render::kDumpWords * frame.fragments, 0);
     dump = render::Buffer(context, "fragments", 4 * words.size());
     render::upload<std::uint32_t>(context, dump, words);
   }
@@ -315,7 +325,8 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   stats.covered_pixels += frame.covered;
   technique.report(frame, counts, result);
   if (job.effect == render::kDumpEffect) {
-    read_fragments(frame, offsets, result);
+    // Techniques with a tail are asked for ids where colours would be.
+    read_fragments(frame, offsets, !job.technique.info.keeps_tail, result);
   } else {
     read_picture(frame, result);
   }
@@ -336,9 +347,9 @@ void Renderer::Implementation::read_picture(const render::Frame& frame, RenderRe
 }
 
 void Renderer::Implementation::read_fragments(const render::Frame& frame,
-                                              const std::vector<std::uint32_t>& offsets,
+                                              const std::vector<std::uint32_t>& offsets, bool colored,
                                               RenderResult& result) {
-  std::vector<std::array<std::uint32_t, 2>> values(frame.fragments);
+  std::vector<std::array<std::uint32_t, render::kDumpWords>> values(frame.fragments);
   dump.download(context, std::as_writable_bytes(std::span(values)), 4 * offsets.size());
   CapturedFragments& out = result.fragments;
   if (out.offsets.empty()) out.offsets.push_back(0);
@@ -347,7 +358,9 @@ void Renderer::Implementation::read_fragments(const render::Frame& frame,
     const std::uint64_t p = frame.sample_at(n / samples, static_cast<std::uint32_t>(n % samples));
     for (std::uint32_t i = offsets[p]; i < offsets[p + 1]; ++i) {
       // Places that the technique left empty have no id.
-      if (values[i][1] != 0) out.fragments.push_back({std::bit_cast<float>(values[i][0]), values[i][1] - 2});
+      if (values[i][1] == 0) continue;
+      out.fragments.push_back({std::bit_cast<float>(values[i][0]), values[i][1] - 2});
+      if (colored) out.colors.push_back(render::unpack_color(values[i][2]));
     }
     out.offsets.push_back(out.fragments.size());
   }
@@ -373,9 +386,10 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   const bool pool_exceeded = job.technique.info.pooled && frame.fragments > frame.capacity();
   const std::unique_ptr<render::Technique> technique =
       pool_exceeded ? make_for_small_pool(job, frame) : job.technique.make();
-  const std::uint64_t needed =
-      std::max(technique->largest_buffer(frame),
-               job.effect == render::kDumpEffect ? 4 * (frame.pixels() + 1) + 8 * frame.fragments : 0);
+  const std::uint64_t needed = std::max(technique->largest_buffer(frame),
+                                        job.effect == render::kDumpEffect
+                                            ? 4 * (frame.pixels() + 1 + render::kDumpWords * frame.fragments)
+                                            : 0);
   const bool over_budget = job.options.memory != 0 && technique->least_bytes(frame) > job.options.memory;
   if (band.rows > 1 && (needed > most || over_budget)) return halves();
   if (over_budget) {
@@ -412,6 +426,7 @@ void Renderer::Implementation::capture_again(const Job& job, const Band& band, c
   std::vector<std::uint64_t>& offsets = result.fragments.offsets;
   offsets.resize(offsets.empty() ? 0 : pixels * job.options.samples + 1);
   result.fragments.fragments.resize(offsets.empty() ? 0 : offsets.back());
+  result.fragments.colors.resize(result.fragments.fragments.size());
   render::Frame frame = make_frame(job, band);
   frame.fragments = first.fragments;
   frame.deepest = first.deepest;

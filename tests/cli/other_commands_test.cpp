@@ -264,7 +264,7 @@ TEST(TechniquesCommand, ListsWhatIsThere) {
   ASSERT_GE(json["techniques"].size(), 1U);
   const nlohmann::json& cpu = json["techniques"][0];
   for (const char* key :
-       {"name", "paper", "exact", "available", "missing", "passes_formula", "bytes_formula"}) {
+       {"name", "paper", "exact", "available", "missing", "passes_formula", "bytes_formula", "msaa"}) {
     EXPECT_TRUE(cpu.contains(key)) << key;
   }
   EXPECT_EQ(cpu["name"], "cpu");

@@ -1,0 +1,100 @@
+// All fragments of a picture: see deep_pixels.h.
+#include "deep_pixels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "pellucid/report.h"
+
+namespace pellucid::cli {
+namespace {
+
+struct Pixel {
+  std::uint32_t x = 0, y = 0;
+};
+
+Pixel parse_pixel(const std::string& text, const CapturePicture& picture) {
+  Pixel pixel;
+  int used = 0;
+  const int read = std::sscanf(text.c_str(), "%u,%u%n", &pixel.x, &pixel.y, &used);
+  if (read != 2 || static_cast<std::size_t>(used) != text.size() || pixel.x >= picture.width ||
+      pixel.y >= picture.height) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--pixel: '{}' is not X,Y of a pixel of {}x{}, counted from the upper left", text,
+                            picture.width, picture.height));
+  }
+  return pixel;
+}
+
+bool is_back(const DeepFragment& f) { return (f.node & 1U) != 0; }
+
+bool delivers_all(const std::string& technique) {
+  if (technique == "cpu") return true;
+  const auto infos = render_techniques();
+  // Names that do not exist are told elsewhere.
+  return std::none_of(infos.begin(), infos.end(), [&](const TechniqueInfo& info) {
+    return info.name == technique && (!info.exact || info.blends_only);
+  });
+}
+
+}  // namespace
+
+void check_deep(const CapturePicture& picture) {
+  if (!delivers_all(picture.options.technique)) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--deep and --pixel want all fragments, which --technique {} does not deliver: "
+                            "take cpu, sb or another exact one",
+                            picture.options.technique));
+  }
+  if (picture.options.samples != 1)
+    throw Error(ErrorKind::bad_argument, "--deep and --pixel: one sample a pixel");
+  for (const std::string& pixel : picture.pixels) parse_pixel(pixel, picture);
+}
+
+RenderOptions deep_options(const RenderOptions& options) {
+  RenderOptions deep = options;
+  deep.effect = Effect::complexity;
+  deep.keep_fragments = true;
+  deep.overflow = Overflow::exact;
+  return deep;
+}
+
+std::string pixel_tables(const CapturePicture& picture, const DeepPicture& deep) {
+  std::string text;
+  for (const std::string& name : picture.pixels) {
+    const Pixel pixel = parse_pixel(name, picture);
+    const auto fragments = deep.at(pixel.x, pixel.y);
+    text += fmt::format("pixel {},{}: {} fragments\n", pixel.x, pixel.y, format_count(fragments.size()));
+    if (fragments.empty()) continue;
+    text += "  distance    depth       object  triangle  side   colour (linear)      opacity\n";
+    for (const DeepFragment& f : fragments) {
+      text += fmt::format("  {:<10.5g}  {:<10.8f}  {:<6}  {:<8}  {:<5}  {:.3f} {:.3f} {:.3f}    {:.3f}\n",
+                          f.distance, f.depth, f.object, triangle_of(f.node), is_back(f) ? "back" : "front",
+                          f.color[0], f.color[1], f.color[2], f.color[3]);
+    }
+  }
+  return text;
+}
+
+nlohmann::ordered_json pixels_json(const CapturePicture& picture, const DeepPicture& deep) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const std::string& name : picture.pixels) {
+    const Pixel pixel = parse_pixel(name, picture);
+    nlohmann::ordered_json fragments = nlohmann::ordered_json::array();
+    for (const DeepFragment& f : deep.at(pixel.x, pixel.y)) {
+      fragments.push_back({{"distance", f.distance},
+                           {"depth", f.depth},
+                           {"object", f.object},
+                           {"triangle", triangle_of(f.node)},
+                           {"back", is_back(f)},
+                           {"color", f.color}});
+    }
+    list.push_back({{"x", pixel.x}, {"y", pixel.y}, {"fragments", std::move(fragments)}});
+  }
+  return list;
+}
+
+}  // namespace pellucid::cli

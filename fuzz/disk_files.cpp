@@ -26,8 +26,8 @@ struct Folder {
 }  // namespace
 
 std::string path_for(std::string_view ending) {
-  static const Folder folder;
-  return (folder.path / "input").string() + std::string(ending);
+  static const Folder kFolder;
+  return (kFolder.path / "input").string() + std::string(ending);
 }
 
 void write_input(const std::string& path, std::span<const std::uint8_t> bytes) {

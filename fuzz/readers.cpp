@@ -36,7 +36,7 @@ constexpr std::size_t kMostOfAnything = 64;
 }
 
 std::string input_file(Input bytes, std::string_view ending) {
-  const std::string path = path_for(ending);
+  std::string path = path_for(ending);
   write_input(path, bytes);
   return path;
 }

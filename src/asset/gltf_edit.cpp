@@ -5,6 +5,8 @@
 #include <cstring>
 #include <set>
 
+#include "json_fields.h"
+
 namespace pellucid {
 namespace {
 
@@ -20,7 +22,7 @@ const Json& array_in(const Json& json, const char* key) {
 std::uint64_t index_in(const Json& json, const char* key, std::uint64_t fallback) {
   if (!json.is_object()) return fallback;
   const auto found = json.find(key);
-  return found != json.end() && found->is_number() && *found >= 0 ? found->get<std::uint64_t>() : fallback;
+  return found != json.end() ? as_index(*found).value_or(fallback) : fallback;
 }
 
 const Json* extension_in(const Json& json, const char* name) {
@@ -34,7 +36,7 @@ template <class Visit>
 void for_each_index(const Json& json, const char* key, const Visit& visit) {
   if (json.is_object()) {
     for (const auto& [name, value] : json.items()) {
-      if (name == key && value.is_number() && value >= 0) visit(value.template get<std::uint64_t>());
+      if (const auto index = name == key ? as_index(value) : std::nullopt) visit(*index);
       for_each_index(value, key, visit);
     }
   } else if (json.is_array()) {
@@ -47,7 +49,7 @@ std::set<std::uint64_t> core_accessors(const Json& document) {
   std::set<std::uint64_t> used;
   const auto add_all = [&](const Json& attributes) {
     for (const Json& value : attributes) {
-      if (value.is_number() && value >= 0) used.insert(value.get<std::uint64_t>());
+      if (const auto index = as_index(value)) used.insert(*index);
     }
   };
   for (const Json& mesh : array_in(document, "meshes")) {

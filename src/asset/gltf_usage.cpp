@@ -20,7 +20,7 @@ struct Claim {
 void count_view_references(const Json& json, std::map<std::uint64_t, std::uint64_t>& references) {
   if (json.is_object()) {
     for (const auto& [key, value] : json.items()) {
-      if (key == "bufferView" && value.is_number_unsigned()) ++references[value.get<std::uint64_t>()];
+      if (const auto view = key == "bufferView" ? as_index(value) : std::nullopt) ++references[*view];
       count_view_references(value, references);
     }
   } else if (json.is_array()) {
@@ -33,9 +33,8 @@ void count_view_references(const Json& json, std::map<std::uint64_t, std::uint64
 std::vector<std::uint32_t> count_references(const Fields& root) {
   std::vector<std::uint32_t> references(root.size("accessors"), 0);
   const auto add = [&](const Json& value, std::uint32_t weight) {
-    if (!value.is_number()) return;
-    const auto accessor = value.get<std::uint64_t>();
-    if (accessor < references.size()) references[accessor] += weight;
+    const auto accessor = as_index(value);
+    if (accessor && *accessor < references.size()) references[*accessor] += weight;
   };
   for (std::uint64_t m = 0; m < root.size("meshes"); ++m) {
     const Fields mesh = root.element("meshes", m);

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kLargestExactInteger = 9007199254740992.0;  // 2^53
 
-// Some writers put integers as 3.0.
+}  // namespace
+
 std::optional<std::uint64_t> as_index(const Json& value) {
   if (value.is_number_unsigned()) return value.get<std::uint64_t>();
   if (!value.is_number_float()) return std::nullopt;
@@ -16,8 +17,6 @@ std::optional<std::uint64_t> as_index(const Json& value) {
   if (!(number >= 0 && number <= kLargestExactInteger) || std::floor(number) != number) return std::nullopt;
   return static_cast<std::uint64_t>(number);
 }
-
-}  // namespace
 
 Fields::Fields(const std::string& file, const Json& value, std::string place)
     : file_(&file), value_(&value), place_(std::move(place)) {

@@ -8,6 +8,9 @@
 
 namespace pellucid {
 
+// A non-negative integer, also where its writer put it as 3.0; nothing for any other value.
+std::optional<std::uint64_t> as_index(const Json& value);
+
 // One JSON object and where it lies ("bunny.glb", "accessors[3]"). Refers to both: keep them alive.
 class Fields {
  public:

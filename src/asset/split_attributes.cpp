@@ -11,6 +11,7 @@
 
 #include "accessor_reader.h"
 #include "component.h"
+#include "json_fields.h"
 
 namespace pellucid {
 namespace {
@@ -203,16 +204,25 @@ class VertexAppender {
     append_skin();
     for (auto& [name, accessor] : json_["attributes"].items()) {
       if (skin_names_.contains(name)) continue;
-      accessor = extended(name, false, accessor.get<std::uint64_t>());
+      accessor = extended(name, false, accessor_of(accessor, name));
     }
     if (!json_.contains("targets")) return;
     for (Json& target : json_["targets"]) {
       for (auto& [name, accessor] : target.items())
-        accessor = extended(name, true, accessor.get<std::uint64_t>());
+        accessor = extended(name, true, accessor_of(accessor, name));
     }
   }
 
  private:
+  // Attributes that nothing of pellucid reads may be anything.
+  [[nodiscard]] std::uint64_t accessor_of(const Json& attribute, const std::string& name) const {
+    const auto index = as_index(attribute);
+    if (!index)
+      throw Error(ErrorKind::bad_input,
+                  editor_.document().path + ": attribute " + name + " is not a non-negative integer");
+    return *index;
+  }
+
   // An attribute for the old vertices alone.
   Elements read(std::uint64_t accessor) {
     Elements elements = reader_.read_elements(accessor);
@@ -246,8 +256,8 @@ class VertexAppender {
       const auto joint = attributes.find("JOINTS_" + number);
       const auto weight = attributes.find("WEIGHTS_" + number);
       if (joint == attributes.end() || weight == attributes.end()) break;
-      joints.push_back(read(joint->get<std::uint64_t>()));
-      weights.push_back(read(weight->get<std::uint64_t>()));
+      joints.push_back(read(accessor_of(*joint, "JOINTS_" + number)));
+      weights.push_back(read(accessor_of(*weight, "WEIGHTS_" + number)));
       if (joints.back().components != 4 || weights.back().components != 4) break;
       names.push_back(number);
     }
@@ -258,7 +268,7 @@ class VertexAppender {
     for (const SplitVertex& vertex : *primitive_.new_vertices) mixer.append(vertex);
     const auto replace = [&](const std::string& name, const Elements& elements) {
       Json& accessor = json_["attributes"][name];
-      accessor = write(accessor.get<std::uint64_t>(), elements, false);
+      accessor = write(accessor_of(accessor, name), elements, false);
       skin_names_.insert(name);
     };
     for (std::size_t set = 0; set < names.size(); ++set) {

@@ -83,6 +83,20 @@ TEST(PassThrough, OtherChunksAndForeignDataStay) {
   EXPECT_EQ(read_file(folder / "b.glb"), bytes);
 }
 
+// Foreign data may use glTF's own words for anything: numbers that are no indices refer to nothing.
+TEST(PassThrough, ForeignNumbersThatAreNoIndicesStay) {
+  const TempFolder folder;
+  HandMade file = pyramid();
+  file.json["extras"] = Json::parse(R"([{"bufferView":1e38},{"bufferView":-1},{"bufferView":0.5}])");
+  const Model model = read_model(file.save(folder / "a.glb"));
+  Random random(1);
+  OrderSet set = random_orders(random, model.primitives[0].mesh, {}, 2, Facing::duplicated);
+  std::iota(set.base_sequence.begin(), set.base_sequence.end(), 0U);
+  write_model(model, {{0, std::move(set), {}}}, folder / "ordered.glb");
+  write_model(read_model(folder / "ordered.glb"), {}, folder / "stripped.glb");
+  EXPECT_EQ(json_of(folder / "stripped.glb"), json_of(folder / "a.glb"));
+}
+
 TEST(Conversion, BetweenGlbAndGltf) {
   const TempFolder folder;
   fs::create_directory(folder / "other place");

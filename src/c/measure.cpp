@@ -81,15 +81,18 @@ PellucidBlendQuality measure_blending(const PellucidMesh* given, const PellucidO
   return {quality.ipr_mean, quality.ipr_max, quality.psnr_mean, quality.psnr_min};
 }
 
-// Ranks of all triangles in every order of a set; in the order in which they are stored, without one.
+// Ranks of all triangles in every order of a set; in the order in which they are stored, without one. Orders
+// of files may leave triangles out.
 std::vector<std::vector<std::uint32_t>> overdraw_ranks(const PellucidOrderSet* set, std::size_t triangles) {
   std::vector<std::vector<std::uint32_t>> ranks;
-  std::vector<std::uint32_t> sequence(triangles);
-  std::iota(sequence.begin(), sequence.end(), 0U);
-  if (set == nullptr) return {triangle_ranks(sequence)};
+  if (set == nullptr) {
+    ranks.emplace_back(triangles);
+    std::iota(ranks[0].begin(), ranks[0].end(), 0U);
+    return ranks;
+  }
   for (const NodeSequence& nodes : set->orders.orders) {
-    for (std::size_t i = 0; i < triangles; ++i) sequence[i] = triangle_of(nodes[i]);
-    ranks.push_back(triangle_ranks(sequence));
+    std::vector<std::uint32_t>& of_order = ranks.emplace_back(triangles, kNoRank);
+    for (std::uint32_t rank = 0; rank < nodes.size(); ++rank) of_order[triangle_of(nodes[rank])] = rank;
   }
   return ranks;
 }

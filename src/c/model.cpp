@@ -142,7 +142,9 @@ PellucidStatus pellucid_model_orders(const PellucidModel* model, uint32_t primit
     const pellucid::Primitive& of = primitive_of(model, primitive);
     if (!model->orders[primitive])
       throw pellucid::Error(pellucid::ErrorKind::nothing_to_do, of.name + ": it has no orders");
-    *orders = make_handle(*model->orders[primitive], of.mesh).release();
+    auto set = make_handle(*model->orders[primitive], of.mesh);
+    if (model->errors[primitive]) set->statistics.measured_error = model->errors[primitive]->ipr_mean;
+    *orders = set.release();
   });
 }
 

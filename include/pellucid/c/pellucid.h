@@ -188,7 +188,8 @@ PELLUCID_API PellucidStatus pellucid_copy_order_indices(const PellucidOrderSet* 
 PELLUCID_API PellucidStatus pellucid_order_selector(const PellucidOrderSet* orders, PellucidOrders* selector);
 
 /* The same for orders with poses: pellucid_select_animated(&selector, &keyframes, time, world, eye). Count 0
- * where there are none. Its arrays belong to the order set. */
+ * where there are none (of orders from a file: unless it has one animation). Its arrays belong to the order
+ * set. */
 PELLUCID_API PellucidStatus pellucid_order_keyframes(const PellucidOrderSet* orders,
                                                      PellucidKeyframes* keyframes);
 

@@ -10,8 +10,8 @@ const float kMostDepth = 8.0;
 const uint kMostDepthBits = 3u;
 
 float optical_depth(float alpha) { return min(-log2(max(1.0 - alpha, 1.0 / 256.0)), kMostDepth); }
-// As it is once opacity was rounded to 8 bits.
-float rounded_depth(float alpha) { return optical_depth(floor(255.0 * alpha + 0.5) / 255.0); }
+// As it is once opacity was rounded to 8 bits; never less, where another shader rounds otherwise in the last place.
+float rounded_depth(float alpha) { return optical_depth(floor(255.0 * alpha + 0.501) / 255.0); }
 
 // What a fragment adds: half its colour times its optical depth, and the latter.
 vec4 tail_share(uint color) {

@@ -254,7 +254,7 @@ TEST(ComparePage, ChoosesAmongThePicturesThatDiffer) {
   EXPECT_EQ(occurrences(page, "type=\"radio\""), 2U);
   EXPECT_EQ(occurrences(page, "checked=\"checked\""), 1U);
   EXPECT_NE(page.find("exact picture: f2b-2p, ll, sb."), std::string::npos);
-  EXPECT_NE(page.find("<td colspan=\"15\">stack needs 64-bit atomics</td>"), std::string::npos);
+  EXPECT_NE(page.find("<td colspan=\"16\">stack needs 64-bit atomics</td>"), std::string::npos);
 }
 
 // ---------------------------------------------------------------------------------------------------- plots

@@ -154,7 +154,7 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
                   "  pellucid compare bottles.glb -o report.html --json report.json\n"
                   "  pellucid compare a.glb b.obj --techniques exact --size 1280x720 --surfaces file\n"
                   "  pellucid compare stack.glb --techniques sb,f2b,f2b-2p --reference cpu\n"
-                  "  pellucid compare smoke.glb --techniques variable-k,moments --memory 3MB --flicker 12\n"
+                  "  pellucid compare smoke.glb --techniques variable-k,mboit4 --memory 3MB --flicker 12\n"
                   "  pellucid compare --sweep all --techniques sb,ll,f2b-2p,f2b-fab -o sweeps.html",
                   1, [options](Session& session) { run_compare(*options, session); });
   CompareCommand& o = *options;

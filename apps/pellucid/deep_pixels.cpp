@@ -29,7 +29,9 @@ Pixel parse_pixel(const std::string& text, const CapturePicture& picture) {
   return pixel;
 }
 
-bool is_back(const DeepFragment& f) { return (f.node & 1U) != 0; }
+bool is_back(const DeepFragment& f) {
+  return (f.node & 1U) != 0;
+}
 
 bool delivers_all(const std::string& technique) {
   if (technique == "cpu") return true;

@@ -12,7 +12,8 @@ namespace pellucid::cli {
 inline bool wants_fragments(const CapturePicture& picture) {
   return !picture.deep.empty() || !picture.pixels.empty();
 }
-// Throws Error{bad_argument} where --technique does not deliver every fragment, or a pixel is none of the picture.
+// Throws Error{bad_argument} where --technique does not deliver every fragment, or a pixel is none of the
+// picture.
 void check_deep(const CapturePicture& picture);
 // Everything is captured, opaque and hidden surfaces as well.
 RenderOptions deep_options(const RenderOptions& options);

@@ -9,8 +9,9 @@ namespace pellucid::testing {
 namespace {
 
 Arguments render(const TemporaryFolder& folder, const std::string& technique, const Arguments& more) {
-  Arguments arguments{"render", samples().plain, "-o", folder.file("p.png"), "--size", "64x48",
-                      "--technique", technique, "--json", "-"};
+  Arguments arguments{
+      "render",  samples().plain, "-o", folder.file("p.png"), "--size", "64x48", "--technique",
+      technique, "--json",        "-"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -29,8 +30,8 @@ TEST(DeepPixels, RefuseWhatCannotBe) {
 
 TEST(DeepPixels, AreTheFragmentsOfThePicture) {
   const TemporaryFolder folder;
-  const Finished done =
-      run_pellucid(render(folder, "cpu", {"--pixel", "32,24", "--pixel", "0,0", "--deep", folder.file("d.exr")}));
+  const Finished done = run_pellucid(
+      render(folder, "cpu", {"--pixel", "32,24", "--pixel", "0,0", "--deep", folder.file("d.exr")}));
   ASSERT_EQ(done.code, 0) << done.err;
   const nlohmann::json pixels = nlohmann::json::parse(done.out)["deep_pixels"];
   ASSERT_EQ(pixels.size(), 2U);

@@ -88,7 +88,7 @@ TEST_P(Alternatives, PicturesDependOnTheSequenceOnlyWhereTheySay) {
 }
 
 // What gets through all of them is known but for rounding, even where colours are not. Opaque fragments are
-// none here: `moments` takes them for 255/256.
+// none here: `mboit4` takes them for 255/256.
 TEST_P(Alternatives, TransmittanceOfAllIsExact) {
   testing::test_renderer().load(testing::random_stack(62, 120));
   const auto seen_through = [](const std::string& technique) {
@@ -173,17 +173,17 @@ TEST_F(OneAlternative, WeightedIsTheFormulaOfThePaper) {
   testing::test_renderer().load(sheets({kDepths[0], kDepths[1], kDepths[2]}, kAlpha));
   const float opacity = 1 - std::pow(1 - kAlpha, 3.0F);
   const Vec3f expected = sum * (opacity / weights);
-  EXPECT_LE(testing::difference(draw_by("weighted", 8, {0, 0, 0}).pixels[0], expected), kHalfRounding);
+  EXPECT_LE(testing::difference(draw_by("wboit", 8, {0, 0, 0}).pixels[0], expected), kHalfRounding);
 }
 
 // Four moments tell two depths apart; more of them are blurred.
 TEST_F(OneAlternative, MomentsAreExactForTwoLayers) {
   for (const float alpha : {0.2F, 0.6F}) {
     testing::test_renderer().load(sheets({0.75F, 0.25F}, alpha));
-    EXPECT_LE(largest_error(draw_by("sb"), draw_by("moments")), 3 * kHalfRounding) << alpha;
+    EXPECT_LE(largest_error(draw_by("sb"), draw_by("mboit4")), 3 * kHalfRounding) << alpha;
   }
   testing::test_renderer().load(sheets({0.75F, 0.25F, 0.5F, 0.375F, 0.625F, 0.125F}, 0.5F));
-  const float blurred = largest_error(draw_by("sb"), draw_by("moments"));
+  const float blurred = largest_error(draw_by("sb"), draw_by("mboit4"));
   EXPECT_GT(blurred, 3 * kHalfRounding);
   EXPECT_LT(blurred, 0.05F);
 }
@@ -194,11 +194,11 @@ TEST_F(OneAlternative, MultiLayerIsExactUpToFourFragments) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     scene.sequence = shuffled_sequence(scene, seed);
     testing::test_renderer().load(scene);
-    EXPECT_LE(largest_error(draw_by("sb"), draw_by("multi-layer")), kHalfRounding);
+    EXPECT_LE(largest_error(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
   }
   // More of them from front to back, too: then the farthest are merged in order.
   testing::test_renderer().load(sheets({0.125F, 0.25F, 0.375F, 0.5F, 0.625F, 0.75F, 0.875F}, 0.4F));
-  EXPECT_LE(largest_error(draw_by("sb"), draw_by("multi-layer")), kHalfRounding);
+  EXPECT_LE(largest_error(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
 }
 
 TEST_F(OneAlternative, StochasticIsRightOnAverage) {

@@ -29,7 +29,8 @@ RenderScene two_sheets() {
   add_sheet(0.2F, 1, 0);
   add_sheet(-0.3F, 0, 1);
   scene.normals.assign(scene.positions.size(), {});
-  scene.surfaces = {{.color = {0.8F, 0.1F, 0.1F}, .alpha = 0.25F}, {.color = {0.1F, 0.2F, 0.9F}, .alpha = 0.75F}};
+  scene.surfaces = {{.color = {0.8F, 0.1F, 0.1F}, .alpha = 0.25F},
+                    {.color = {0.1F, 0.2F, 0.9F}, .alpha = 0.75F}};
   return scene;
 }
 
@@ -69,8 +70,8 @@ TEST_F(DeepPictures, FragmentsWithoutColoursAreRefused) {
 DeepPicture read_deep_exr(const std::string& path) {
   Imf::DeepScanLineInputFile file(path.c_str());
   const Imath::Box2i window = file.header().dataWindow();
-  DeepPicture picture{static_cast<std::uint32_t>(window.max.x + 1), static_cast<std::uint32_t>(window.max.y + 1),
-                      {0}, {}};
+  DeepPicture picture{
+      static_cast<std::uint32_t>(window.max.x + 1), static_cast<std::uint32_t>(window.max.y + 1), {0}, {}};
   const std::size_t pixels = std::size_t{picture.width} * picture.height;
   std::vector<std::uint32_t> counts(pixels);
   Imf::DeepFrameBuffer buffer;
@@ -89,7 +90,8 @@ DeepPicture read_deep_exr(const std::string& path) {
                                        sizeof(char*) * picture.width, sizeof(DeepFragment)));
   };
   for (std::size_t c = 0; c < 4; ++c)
-    take(std::array{"R", "G", "B", "A"}.at(c), Imf::FLOAT, [c](DeepFragment* f) { return f->color.data() + c; });
+    take(std::array{"R", "G", "B", "A"}.at(c), Imf::FLOAT,
+         [c](DeepFragment* f) { return f->color.data() + c; });
   take("Z", Imf::FLOAT, [](DeepFragment* f) { return &f->distance; });
   take("object", Imf::UINT, [](DeepFragment* f) { return &f->object; });
   take("node", Imf::UINT, [](DeepFragment* f) { return &f->node; });

@@ -34,7 +34,7 @@ class MomentBlend final : public Technique {
 }  // namespace
 
 TechniqueEntry moment_blend() {
-  return {{.name = "moments",
+  return {{.name = "mboit4",
            .title = "light that gets to a fragment, from four moments of depth",
            .paper = "Muenstermann et al. 2018",
            .exact = false,

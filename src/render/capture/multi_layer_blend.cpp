@@ -47,7 +47,7 @@ class MultiLayerBlend final : public Technique {
 }  // namespace
 
 TechniqueEntry multi_layer_blend() {
-  return {{.name = "multi-layer",
+  return {{.name = "mlab4",
            .title = "four layers, the farthest merged in the sequence of drawing",
            .paper = "Salvi, Vaidyanathan 2014",
            .exact = false,

@@ -25,7 +25,7 @@ class WeightedBlend final : public Technique {
 }  // namespace
 
 TechniqueEntry weighted_blend() {
-  return {{.name = "weighted",
+  return {{.name = "wboit",
            .title = "sums of colours, the nearer the heavier, in place of an order",
            .paper = "McGuire, Bavoil 2013",
            .exact = false,

@@ -262,8 +262,8 @@ void render_capture(const CapturePicture& picture, Session& session) {
     const Camera camera = camera_from(shot.camera, model, stage.scene(), picture.width, picture.height);
     const RenderResult result = stage.draw(camera, renderer ? &*renderer : nullptr, session);
     stop_if_signalled();
-    const auto numbered = [&](const std::string& name) {
-      return picture.shots.empty() ? name : numbered_output(name, taken.size() + 1, shots.size());
+    const auto numbered = [&, number = taken.size() + 1](const std::string& name) {
+      return picture.shots.empty() ? name : numbered_output(name, number, shots.size());
     };
     const std::string output = numbered(picture.output);
     write_png(to_image(result), output);

@@ -100,13 +100,19 @@ void take_turns(std::vector<Contender>& all, std::uint32_t frames) {
   }
 }
 
+RenderOptions exact_options(const ComparisonOptions& options) {
+  RenderOptions exact = options.draw;
+  exact.technique = kExact;
+  exact.pool = 0;
+  exact.cull = false;
+  return exact;
+}
+
 // The exact picture, with the fragments of every pixel.
 RenderResult draw_exact(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                         Session& session, ComparedScene& compared) {
-  RenderOptions exact = options.draw;
-  exact.technique = kExact;
+  RenderOptions exact = exact_options(options);
   exact.keep_fragments = true;
-  exact.pool = 0;
   if (!options.cpu_reference) {
     try {
       compared.reference = kExact;
@@ -130,10 +136,7 @@ std::vector<std::uint64_t> pixels_by_depth(const CapturedFragments& fragments, s
 // What the picture of each does while the camera goes round, beside what the exact one does.
 void measure_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                      Session& session, ComparedScene& compared) {
-  RenderOptions exact = options.draw;
-  exact.technique = kExact;
-  exact.pool = 0;
-  exact.cull = false;
+  const RenderOptions exact = exact_options(options);
   compared.flicker_frames = static_cast<std::uint32_t>(drawn.turn.size());
   begin_stage(session.progress(), "turning", drawn.turn.size() * options.techniques.size());
   std::vector<Flicker> flicker(options.techniques.size());
@@ -145,11 +148,26 @@ void measure_flicker(Renderer& renderer, const DrawnScene& drawn, const Comparis
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!compared.techniques[i].failure.empty()) continue;
       const RenderResult result = all[i].draw_first();
-      if (all[i].failure().empty())
-        flicker[i].add(expected.pixels, result.pixels, expected.stats.covered_pixels);
+      if (!all[i].failure().empty()) {
+        compared.notes.push_back(options.techniques[i] + ", turning: " + all[i].failure());
+        flicker[i] = {};
+      } else {
+        flicker[i].add(expected.pixels, result.pixels, expected.stats.seen_pixels);
+      }
     }
   }
   for (std::size_t i = 0; i < flicker.size(); ++i) compared.techniques[i].flicker = flicker[i].mean();
+}
+
+// Without it the rest of the report is as good.
+void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
+                 Session& session, ComparedScene& compared) {
+  try {
+    measure_flicker(renderer, drawn, options, session, compared);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::interrupted) throw;
+    compared.notes.push_back(fmt::format("flicker was not measured: {}", error.what()));
+  }
 }
 
 // What it drew and where it errs, if one can see it.
@@ -300,9 +318,9 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.title = info.title;
     row.exact = info.exact;
     if (!one.failure().empty()) continue;
-    row.error = picture_error(exact.pixels, result.pixels, exact.stats.covered_pixels);
+    row.error = picture_error(exact.pixels, result.pixels, exact.stats.seen_pixels);
     row.perceived =
-        perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.covered_pixels);
+        perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.seen_pixels);
     row.pictures = pictures_of(name, exact_image, result, *row.error);
     for (const NamedMap& map : budget_pictures(result, options.draw.samples))
       row.pictures.push_back({map.caption, encode_png(map.image)});
@@ -312,7 +330,7 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     compared.techniques[i].stats = all[i].stats();
     compared.techniques[i].failure = all[i].failure();
   }
-  if (!drawn.turn.empty()) measure_flicker(renderer, drawn, options, session, compared);
+  if (!drawn.turn.empty()) try_flicker(renderer, drawn, options, session, compared);
   return compared;
 }
 

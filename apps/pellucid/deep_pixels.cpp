@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "pellucid/report.h"
@@ -16,12 +16,17 @@ struct Pixel {
   std::uint32_t x = 0, y = 0;
 };
 
+bool read_whole(std::string_view text, std::uint32_t& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
 Pixel parse_pixel(const std::string& text, const CapturePicture& picture) {
   Pixel pixel;
-  int used = 0;
-  const int read = std::sscanf(text.c_str(), "%u,%u%n", &pixel.x, &pixel.y, &used);
-  if (read != 2 || static_cast<std::size_t>(used) != text.size() || pixel.x >= picture.width ||
-      pixel.y >= picture.height) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const bool read = read_whole(std::string_view(text).substr(0, comma), pixel.x) && comma < text.size() &&
+                    read_whole(std::string_view(text).substr(comma + 1), pixel.y);
+  if (!read || pixel.x >= picture.width || pixel.y >= picture.height) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--pixel: '{}' is not X,Y of a pixel of {}x{}, counted from the upper left", text,
                             picture.width, picture.height));

@@ -29,7 +29,8 @@ static void make_device(Engine* e) {
   VkResult found;
   check(vkCreateInstance(&instance, NULL, &e->instance), "vkCreateInstance");
   found = vkEnumeratePhysicalDevices(e->instance, &count, &e->gpu); /* the first will do */
-  if (found != VK_INCOMPLETE) check(found, "vkEnumeratePhysicalDevices");
+  if (found == VK_INCOMPLETE) found = VK_SUCCESS;
+  check(count == 0 ? VK_ERROR_INITIALIZATION_FAILED : found, "vkEnumeratePhysicalDevices");
   /* A real engine looks for a queue family; all drivers have graphics in the first one. */
   e->queue_family = 0;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,

@@ -209,8 +209,9 @@ struct CaptureStats {
   bool pool_exceeded =
       false;  // RenderOptions::overflow decided what became of them, or they were captured again
   std::uint64_t coplanar = 0;  // captured ones at the depth of another one of their pixel
-  std::uint64_t coplanar_pixels = 0, covered_pixels = 0;
-  std::uint64_t deepest_pixel = 0;  // most fragments of a pixel
+  std::uint64_t coplanar_pixels = 0, covered_pixels = 0;  // with several samples of a pixel: of those
+  std::uint64_t seen_pixels = 0;                          // with fragments in any sample
+  std::uint64_t deepest_pixel = 0;                        // most fragments of a pixel
   // Slots for fragments of a covered pixel, of techniques with a budget: least, most, sum.
   std::optional<std::uint32_t> k_least, k_most;
   std::uint64_t k_sum = 0;

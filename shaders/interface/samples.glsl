@@ -12,5 +12,11 @@ vec2 place_in_picture(uvec2 at) {
   const vec2 place = frame.samples == 1u ? vec2(0.5) : kSamplePlaces[at.y / rows_of_band()];
   return vec2(float(at.x), float(at.y % rows_of_band() + frame.first_row)) + place;
 }
+// Its number among those of the whole picture, whatever the band.
+uint sample_in_picture(uvec2 at) {
+  const uint rows = uint(frame.line.w);
+  const uint row = at.y / rows_of_band() * rows + at.y % rows_of_band() + frame.first_row;
+  return row * frame.size.x + at.x;
+}
 vec2 picture_size() { return vec2(float(frame.size.x), frame.line.w); }
 #endif

@@ -51,7 +51,7 @@ vec4 sample_texture(uint number, vec2 at, vec2 dx, vec2 dy) {
   const uint last = texture_words[head + 2u] - 1u;
   const uint sampling = texture_words[head + 3u];
   const float texels = max(length(dx * size), length(dy * size));
-  if (texels <= 1.0) return sample_level(head, 0u, at, ((sampling >> kMagnifyNearest) & 1u) != 0u);
+  if (!(texels > 1.0)) return sample_level(head, 0u, at, ((sampling >> kMagnifyNearest) & 1u) != 0u);
   const bool nearest = ((sampling >> kMinifyNearest) & 1u) != 0u;
   const uint use = (sampling >> 4) & 3u;
   const float level = min(log2(texels), float(last));

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <random>
 
 #include "pellucid/base.h"
 
@@ -34,11 +35,18 @@ struct TemporaryFile {
   throw Error(ErrorKind::cannot_write, path + ": cannot write: " + system_reason(error));
 }
 
-// The mode a plain open() would have given the file.
-mode_t default_mode() {
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  return 0666U & ~mask;
+// A new file beside `path`, with the mode that open() gives: mkstemp() has another, and to ask for the umask
+// is to set it, for all threads. -1: errno.
+int open_beside(const std::string& path, std::string& name) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+  std::random_device random;
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    name = path + ".";
+    for (int i = 0; i < 6; ++i) name += kLetters[random() % kLetters.size()];
+    const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  }
+  return -1;
 }
 
 bool is_regular_or_missing(const std::string& path) {
@@ -105,12 +113,11 @@ void write_file_atomically(const std::string& path, std::span<const std::byte> b
   if (::access(path.c_str(), F_OK) == 0 && ::access(path.c_str(), W_OK) != 0) fail_to_write(path, errno);
 
   TemporaryFile file;
-  std::string name = path + ".XXXXXX";
-  file.descriptor = ::mkostemp(name.data(), O_CLOEXEC);
+  std::string name;
+  file.descriptor = open_beside(path, name);
   if (file.descriptor < 0) fail_to_write(path, errno);
   file.path = name;
   write_all(file.descriptor, bytes, path);
-  if (::fchmod(file.descriptor, default_mode()) != 0) fail_to_write(path, errno);
   if (::fsync(file.descriptor) != 0 && errno != EINVAL) fail_to_write(path, errno);
   if (::rename(name.c_str(), path.c_str()) != 0) fail_to_write(path, errno);
   file.path.clear();

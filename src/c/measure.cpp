@@ -65,6 +65,8 @@ PellucidBlendQuality measure_blending(const PellucidMesh* given, const PellucidO
   const BlendedMesh blended(mesh, set);
   if (blended.mesh().triangles.empty())
     throw Error(ErrorKind::nothing_to_do, "mesh: there is no triangle that draws anything");
+  require(options.viewpoints > 0, "viewpoints is 0");
+  require(options.alpha >= 0 && options.alpha <= 1, "alpha is not in 0..1");
   CallbackProgress progress(options.run);
   const ThreadLimit threads(options.run.threads);
   MeasureOptions measure;
@@ -112,6 +114,7 @@ PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const Pelluc
   const Mesh mesh = mesh_from(given);
   require_valid(set, poses, mesh);
   if (mesh.triangles.empty()) throw Error(ErrorKind::nothing_to_do, "mesh: there are no triangles");
+  require(options.viewpoints > 0, "viewpoints is 0");
   OverdrawSubject subject;
   subject.triangles = mesh.triangles;
   if (facing_from(options.facing) == Facing::duplicated)

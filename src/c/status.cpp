@@ -1,5 +1,6 @@
 // Errors and version of the C interface.
 #include <new>
+#include <stdexcept>
 
 #include "handles.h"
 
@@ -42,6 +43,8 @@ PellucidStatus fail_with_current_exception() noexcept {
     return fail(status_of(error.kind()), error.what());
   } catch (const std::bad_alloc&) {
     return fail(pellucid_out_of_memory, "there is not enough memory");
+  } catch (const std::length_error&) {
+    return fail(pellucid_out_of_memory, "an array is larger than memory can be");
   } catch (const std::exception& error) {
     return fail(pellucid_internal, error.what());
   } catch (...) {

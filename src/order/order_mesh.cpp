@@ -238,8 +238,10 @@ class Orderer {
   [[nodiscard]] BudgetOptions budget_options() const {
     BudgetOptions budget;
     budget.target = error_target(options_);
-    budget.min_buffers = options_.min_buffers;
-    budget.max_buffers = options_.max_buffers;
+    // More than one for each cell would be used by none.
+    const std::uint32_t cells = fine_.partition.cell_count();
+    budget.min_buffers = std::min(options_.min_buffers, cells);
+    budget.max_buffers = std::min(options_.max_buffers, cells);
     budget.front_only = options_.facing == Facing::single;
     budget.range = range_;
     budget.picture_alpha = measured_alpha();

@@ -60,7 +60,8 @@ struct Frame {
   std::uint32_t first_row = 0, picture_height = 0;  // where it lies
   std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
   std::span<const std::uint32_t> counts{};          // of every pixel
-  std::uint64_t covered = 0;                        // pixels with fragments
+  std::uint64_t covered = 0;                        // of them, those with fragments
+  std::uint64_t seen = 0;                           // pixels with fragments in any sample
   Buffer counters;
   Buffer* residue =
       nullptr;  // what techniques keep for the next frame of this band (shaders/budget/residue.glsl)

@@ -322,6 +322,7 @@ RenderResult Reference::draw() {
     stats.coplanar += coplanar;
     stats.coplanar_pixels += coplanar > 0 ? 1U : 0U;
   }
+  stats.seen_pixels = stats.covered_pixels;
   stats.geometry_passes = 1;
   stats.bytes = 8 * (fragments.fragments.size() + fragments.offsets.size());
   stats.milliseconds = 1000 * watch.seconds();

@@ -212,6 +212,12 @@ std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, rende
   frame.counts = values;
   frame.covered = static_cast<std::uint64_t>(
       std::count_if(values.begin(), values.end(), [](std::uint32_t n) { return n > 0; }));
+  const std::uint32_t samples = frame.options.samples;
+  for (std::uint64_t p = 0; p < frame.pixels() / samples; ++p) {
+    bool seen = false;
+    for (std::uint32_t s = 0; s < samples; ++s) seen = seen || values[frame.sample_at(p, s)] > 0;
+    frame.seen += seen ? 1U : 0U;
+  }
   return values;
 }
 
@@ -323,6 +329,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   stats.overflowed += counters.overflowed;
   stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
   stats.covered_pixels += frame.covered;
+  stats.seen_pixels += frame.seen;
   technique.report(frame, counts, result);
   if (job.effect == render::kDumpEffect) {
     // Techniques with a tail are asked for ids where colours would be.
@@ -384,7 +391,7 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   CaptureStats counting;
   const std::vector<std::uint32_t> counts = count(job, frame, counting);
   const bool pool_exceeded = job.technique.info.pooled && frame.fragments > frame.capacity();
-  const std::unique_ptr<render::Technique> technique =
+  std::unique_ptr<render::Technique> technique =
       pool_exceeded ? make_for_small_pool(job, frame) : job.technique.make();
   const std::uint64_t needed = std::max(technique->largest_buffer(frame),
                                         job.effect == render::kDumpEffect
@@ -410,8 +417,9 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   // Layers may be larger than a pool that they share one after the other, and loops of a driver may end
   // early: what is lost then would depend on the sequence of drawing.
   const bool lost = !pool_exceeded && result.stats.overflowed > before_capture.overflowed;
-  if (lost && job.technique.info.exact && context.info().atomics64)
-    capture_again(job, band, frame, before_capture, result, counts);
+  if (!lost || !job.technique.info.exact || !context.info().atomics64) return;
+  technique.reset();
+  capture_again(job, band, frame, before_capture, result, counts);
 }
 
 void Renderer::Implementation::capture_again(const Job& job, const Band& band, const render::Frame& first,
@@ -431,6 +439,7 @@ void Renderer::Implementation::capture_again(const Job& job, const Band& band, c
   frame.fragments = first.fragments;
   frame.deepest = first.deepest;
   frame.covered = first.covered;
+  frame.seen = first.seen;
   frame.counts = first.counts;
   capture(job, frame, *make_for_small_pool(job, frame), result, counts);
 }

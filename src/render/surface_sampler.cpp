@@ -110,8 +110,9 @@ SurfaceSampler::Color SurfaceSampler::texture_color(std::uint32_t number, const 
     return filtered(texture, std::min(level, texture.levels.size() - 1), here[0], here[1], filter);
   };
   const TextureSampling& how = texture.sampling;
-  if (texels <= 1) return on(0, how.magnify);
-  const double level = std::log2(texels);
+  // Also where coordinates are so large that their differences are no numbers.
+  if (!(texels > 1)) return on(0, how.magnify);
+  const double level = std::min(std::log2(texels), static_cast<double>(texture.levels.size() - 1));
   if (how.levels == TextureLevelsUse::none) return on(0, how.minify);
   if (how.levels == TextureLevelsUse::nearest)
     return on(static_cast<std::size_t>(std::ceil(level + 0.5) - 1), how.minify);

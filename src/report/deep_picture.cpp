@@ -66,7 +66,7 @@ struct Channel {
 template <class Value, class Of>
 std::vector<Value> each(const DeepPicture& picture, const Of& of) {
   std::vector<Value> values;
-  values.reserve(picture.fragments.size() + 1);  // so that there is an address where there is no fragment
+  values.reserve(picture.fragments.size());
   for (const DeepFragment& f : picture.fragments) values.push_back(of(f));
   return values;
 }
@@ -118,15 +118,15 @@ void write_deep_exr(const DeepPicture& picture, const std::string& path) {
   const auto color = [&](std::size_t c) {
     return each<float>(picture, [c](const DeepFragment& f) { return f.color.at(c) * f.color[3]; });
   };
-  std::vector<Channel<float>> reals{
-      {"R", Imf::FLOAT, color(0)},
-      {"G", Imf::FLOAT, color(1)},
-      {"B", Imf::FLOAT, color(2)},
-      {"A", Imf::FLOAT, each<float>(picture, [](const DeepFragment& f) { return f.color[3]; })},
-      {"Z", Imf::FLOAT, each<float>(picture, [](const DeepFragment& f) { return f.distance; })}};
-  std::vector<Channel<std::uint32_t>> integers{
-      {"object", Imf::UINT, each<std::uint32_t>(picture, [](const DeepFragment& f) { return f.object; })},
-      {"node", Imf::UINT, each<std::uint32_t>(picture, [](const DeepFragment& f) { return f.node; })}};
+  std::array<Channel<float>, 5> reals{
+      {{"R", Imf::FLOAT, color(0)},
+       {"G", Imf::FLOAT, color(1)},
+       {"B", Imf::FLOAT, color(2)},
+       {"A", Imf::FLOAT, each<float>(picture, [](const DeepFragment& f) { return f.color[3]; })},
+       {"Z", Imf::FLOAT, each<float>(picture, [](const DeepFragment& f) { return f.distance; })}}};
+  std::array<Channel<std::uint32_t>, 2> integers{
+      {{"object", Imf::UINT, each<std::uint32_t>(picture, [](const DeepFragment& f) { return f.object; })},
+       {"node", Imf::UINT, each<std::uint32_t>(picture, [](const DeepFragment& f) { return f.node; })}}};
   for (auto& channel : reals) channel.add_to(header, buffer, picture);
   for (auto& channel : integers) channel.add_to(header, buffer, picture);
 

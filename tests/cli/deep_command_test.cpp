@@ -18,8 +18,9 @@ Arguments render(const TemporaryFolder& folder, const std::string& technique, co
 
 TEST(DeepPixels, RefuseWhatCannotBe) {
   const TemporaryFolder folder;
-  for (const Arguments& bad : {Arguments{"--pixel", "64,0"}, Arguments{"--pixel", "3"},
-                               Arguments{"--pixel", "1,2,3"}, Arguments{"--pixel", "-1,2"}}) {
+  for (const Arguments& bad :
+       {Arguments{"--pixel", "64,0"}, Arguments{"--pixel", "3"}, Arguments{"--pixel", "1,2,3"},
+        Arguments{"--pixel", "-1,2"}, Arguments{"--pixel", "4294967296,0"}}) {
     const Finished done = run_pellucid(render(folder, "cpu", bad));
     EXPECT_EQ(done.code, 2) << bad[1];
     EXPECT_NE(done.err.find("--pixel"), std::string::npos) << done.err;

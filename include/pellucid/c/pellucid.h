@@ -59,9 +59,9 @@ PELLUCID_API const char* pellucid_version(void);
 
 /* ---------------------------------------------------------------------------------------------- progress */
 
-/* Told every now and then while a long call works, at most every 20 ms, from any thread but never from two
- * at once. `stage` ends with the call. `total` 0: the amount of work is not known. Returns 0 to go on, else
- * the call ends soon with pellucid_cancelled. Must not throw, nor jump out. */
+/* Told every now and then while a long call works, at every stage and then at most every 20 ms, from any
+ * thread but never from two at once. `stage` ends with the call. `total` 0: the amount of work is not known.
+ * Returns 0 to go on, else the call ends soon with pellucid_cancelled. Must not throw, nor jump out. */
 typedef int (*PellucidProgress)(void* user, const char* stage, uint64_t done, uint64_t total);
 
 /* Members of every options structure of long calls. */
@@ -227,7 +227,8 @@ typedef struct PellucidMeasureOptions {
   uint32_t viewpoints;               /* at random: 100 */
   double min_distance, max_distance; /* of these, radii: 2 to 5 */
   uint32_t size;                     /* pixels a side, 512 */
-  PellucidFacing facing; /* of measures without an order set: which faces are drawn (duplicated) */
+  PellucidFacing facing; /* which faces are drawn (duplicated); orders of blending know it, those of overdraw
+                            do not: say single where pellucid_overdraw_mesh() was told so */
   double alpha;          /* opacity of the pictures that the PSNR is of: 0.5 */
   uint64_t seed;
 } PellucidMeasureOptions;

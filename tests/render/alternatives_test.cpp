@@ -130,7 +130,6 @@ TEST_P(Alternatives, RefuseWhatTheyCannotDo) {
   const Camera camera = testing::unit_camera(8, 8);
   for (const RenderOptions& options :
        std::initializer_list<RenderOptions>{{.technique = GetParam().name, .effect = Effect::csg},
-                                            {.technique = GetParam().name, .samples = 4},
                                             {.technique = GetParam().name, .keep_fragments = true}})
     EXPECT_THROW(testing::test_renderer().draw(camera, options), Error);
 }

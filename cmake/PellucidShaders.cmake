@@ -24,6 +24,7 @@ set(PELLUCID_SHADERS
   "resolve/sums.comp|resolve/sums.comp|"
   "capture/layer_nodes.frag|capture/layer_nodes.frag|ATTACHMENTS=3"
   "resolve/layer_nodes.comp|resolve/layer_nodes.comp|"
+  "resolve/ordered_window.comp|resolve/ordered_window.comp|"
   "resolve/blended.comp|resolve/blended.comp|"
   "resolve/blended_marks.comp|resolve/blended.comp|MARKS"
   "capture/reserve_marked.comp|capture/reserve_marked.comp|"
@@ -79,6 +80,10 @@ endforeach()
 foreach(attachments RANGE 1 8)
   list(APPEND PELLUCID_SHADERS
     "capture/ordered_slots_${attachments}.frag|capture/ordered_slots.frag|ATTACHMENTS=${attachments}")
+endforeach()
+foreach(attachments RANGE 3 8)
+  list(APPEND PELLUCID_SHADERS
+    "capture/ordered_window_${attachments}.frag|capture/ordered_window.frag|ATTACHMENTS=${attachments}")
 endforeach()
 foreach(storage ranges lists arrays layers)
   string(TOUPPER ${storage} define)

@@ -73,6 +73,7 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"overflowed", stats.overflowed},
           {"pool_exceeded", stats.pool_exceeded},
           {"repaired_pixels", stats.repaired_pixels},
+          {"misordered_pixels", stats.misordered_pixels},
           {"coplanar", stats.coplanar},
           {"coplanar_pixels", stats.coplanar_pixels},
           {"k_least", or_null(stats.k_least)},

@@ -206,6 +206,9 @@ struct CaptureStats {
   std::uint64_t overflowed = 0;  // that found no place
   // Verified blending: pixels (or samples) where the sequence of drawing was not the order of depths.
   std::uint64_t repaired_pixels = 0;
+  // Ordered k-buffer: pixels (or samples) where a fragment came after more than k farther ones, and was
+  // blended behind some of them. 0: all were blended in order, the picture is exact.
+  std::uint64_t misordered_pixels = 0;
   bool pool_exceeded =
       false;  // RenderOptions::overflow decided what became of them, or they were captured again
   std::uint64_t coplanar = 0;  // captured ones at the depth of another one of their pixel

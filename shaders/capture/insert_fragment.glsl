@@ -1,9 +1,9 @@
 // Insertion of a fragment (depth bits, id, colour) into the kK nearest of its pixel, which are sorted, where nobody else
-// is at them: in order (capture/ordered_slots.frag) or in a critical section (capture/interlock_slots.frag). What falls
-// out at the end is lost. Needs slot_at(i) and put_slot(i, f); SLOTS, a constant, is not less than kK.
+// is at them: in order (capture/ordered_slots.frag) or in a critical section (capture/interlock_slots.frag). Returns what
+// falls out at the end. Needs slot_at(i) and put_slot(i, f); SLOTS, a constant, is not less than kK.
 bool is_before(uvec3 a, uvec3 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-void insert_fragment(uvec3 carried) {
+uvec3 insert_fragment(uvec3 carried) {
   for (uint i = 0u; i < SLOTS; ++i) {
     if (i >= kK) break;
     const uvec3 here = slot_at(i);
@@ -11,4 +11,5 @@ void insert_fragment(uvec3 carried) {
     if (nearer) put_slot(i, carried);
     carried = nearer ? here : carried;
   }
+  return carried;
 }

@@ -12,5 +12,6 @@ layout(std430, set = 0, binding = SLOT_COUNTERS) buffer Counters {
   uint covered;      // pixels with fragments
   uint deepest;      // most fragments of a pixel
   uint coplanar_pixels;
+  uint misordered_pixels;  // where a fragment came too late to be blended in its place
 } counters;
 #endif

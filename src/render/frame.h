@@ -45,7 +45,7 @@ class Pipelines {
 // shaders/interface/counters.glsl
 struct Counters {
   std::uint32_t next_node, next_back, captured, coplanar, overflowed, active_pixels, rounds, covered, deepest,
-      coplanar_pixels;
+      coplanar_pixels, misordered_pixels;
 };
 
 struct Frame {

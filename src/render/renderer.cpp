@@ -326,6 +326,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     stats.coplanar_pixels += counters.coplanar_pixels;
   }
   if (job.technique.info.blends_only && job.technique.info.exact) stats.repaired_pixels += counters.covered;
+  stats.misordered_pixels += counters.misordered_pixels;
   stats.overflowed += counters.overflowed;
   stats.deepest_pixel = std::max<std::uint64_t>(stats.deepest_pixel, frame.deepest);
   stats.covered_pixels += frame.covered;

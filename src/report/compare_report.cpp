@@ -31,6 +31,7 @@ Json json_of_stats(const CaptureStats& stats, double pixels) {
           {"lost", stats.fragments - std::min(stats.fragments, stats.captured)},
           {"overflowed", stats.overflowed},
           {"repaired_pixels", stats.repaired_pixels},
+          {"misordered_pixels", stats.misordered_pixels},
           {"r_h", stats.captured_share()},
           {"coplanar", stats.coplanar},
           {"coplanar_pixels", stats.coplanar_pixels},

@@ -10,6 +10,7 @@ constexpr VkFormat kBlended = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 TechniqueEntry plain_blend();
 TechniqueEntry verified_blend();
+TechniqueEntry ordered_k();
 // Approximations that keep what they know of a pixel in a fixed number of bytes.
 TechniqueEntry weighted_blend();
 TechniqueEntry moment_blend();

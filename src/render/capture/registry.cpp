@@ -34,6 +34,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
       variable_k(),
       plain_blend(),
       verified_blend(),
+      ordered_k(),
       weighted_blend(),
       moment_blend(),
       multi_layer_blend(),

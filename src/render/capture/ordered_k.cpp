@@ -1,8 +1,8 @@
 // The ordered k-buffer: blending in the sequence of drawing, which in-depth orders make nearly right, through
 // a window of k fragments that are sorted. What leaves the window, the nearest, is blended under what left
 // before, so a fragment may come after up to k farther ones and is blended in its place all the same: one
-// geometry pass, in a number of bytes that does not depend on the scene. One that comes later still is blended
-// where it is and marks its pixel: where none is marked, the picture is exact.
+// geometry pass, in a number of bytes that does not depend on the scene. One that comes later still is
+// blended where it is and marks its pixel: where none is marked, the picture is exact.
 #include <fmt/format.h>
 
 #include "../device/ordered_attachments.h"

@@ -57,15 +57,18 @@ function(pellucid_test name)
     target_precompile_headers(${name}_test PRIVATE <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
     set_property(GLOBAL PROPERTY PELLUCID_TEST_HEADERS ${name}_test)
   endif()
+  # What one program has compiled for a CPU driver no other has to.
+  set(shader_cache MESA_SHADER_CACHE_DIR=${CMAKE_BINARY_DIR}/shader_cache)
   if(NOT TEST_SHARDS)
-    gtest_discover_tests(${name}_test PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+    gtest_discover_tests(${name}_test PROPERTIES TIMEOUT 600 ENVIRONMENT "${shader_cache}" DISCOVERY_TIMEOUT 60)
     return()
   endif()
+  # Each in a sequence of its own: neighbours use the same shaders, and programs in step would compile all of them twice.
   math(EXPR last "${TEST_SHARDS} - 1")
   foreach(shard RANGE ${last})
     add_test(NAME ${name}_test.${shard} COMMAND ${name}_test)
     set_tests_properties(${name}_test.${shard} PROPERTIES TIMEOUT 900
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${shard};MESA_SHADER_CACHE_DIR=${CMAKE_BINARY_DIR}/shader_cache")
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${shard};GTEST_SHUFFLE=${shard};GTEST_RANDOM_SEED=${shard};${shader_cache}")
   endforeach()
 endfunction()
 

@@ -74,6 +74,20 @@ void Frame::gather(Recorder& recorder, std::string_view fragment_shader, const C
                 attachments());
 }
 
+void Frame::gather_in_order(Recorder& recorder, std::string_view fragment_shader, const Constants& constants,
+                            const Image& layers, const OrderedTarget& target) const {
+  const OrderedLayout& layout = target.layout();
+  recorder.prepare(layers);
+  recorder.bind(Slot::image_0, layers);
+  recorder.draw_ordered(
+      scene,
+      pipelines.scene({.fragment_shader = fragment_shader,
+                       .constants = constants,
+                       .colors = std::vector<VkFormat>(layout.attachments(), kOrderedFormat),
+                       .ordered = &layout}),
+      target, attachments());
+}
+
 std::uint32_t loop_budget(const DeviceInfo& device) {
   // Measured on lavapipe 22.3.6: after 65,535 turns all loops of an invocation end, silently.
   return device.cpu ? 60'000U : 0xFFFFFFFFU;

@@ -88,6 +88,9 @@ struct Frame {
   // A geometry pass without attachments, and one with.
   void gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const;
   [[nodiscard]] Attachments attachments() const;
+  // A pass into ordered attachments, which are the layers of an image.
+  void gather_in_order(Recorder& recorder, std::string_view fragment_shader, const Constants& constants,
+                       const Image& layers, const OrderedTarget& target) const;
 };
 
 // Turns that a shader's loops may make in all (docs/rendering.md).

@@ -22,15 +22,7 @@ class MultiLayerBlend final : public Technique {
   }
   void start(Frame& frame, Recorder& recorder) override {
     const Constants constants{frame.effect, kLayerNodes};
-    recorder.prepare(layers_);
-    recorder.bind(Slot::image_0, layers_);
-    recorder.draw_ordered(
-        frame.scene,
-        frame.pipelines.scene({.fragment_shader = "capture/layer_nodes.frag",
-                               .constants = constants,
-                               .colors = std::vector<VkFormat>(kNodeAttachments, kOrderedFormat),
-                               .ordered = &target_.layout()}),
-        target_, frame.attachments());
+    frame.gather_in_order(recorder, "capture/layer_nodes.frag", constants, layers_, target_);
     recorder.barrier();
     recorder.begin_resolve();
     recorder.dispatch(frame.pipelines.compute("resolve/layer_nodes.comp", constants), frame.tiles_x(),

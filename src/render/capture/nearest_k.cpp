@@ -58,17 +58,8 @@ class NearestK final : public Technique {
 
  private:
   void insert_in_order(Frame& frame, Recorder& recorder, const Constants& constants) const {
-    const OrderedLayout& layout = target_.layout();
-    const std::string shader = fmt::format("capture/ordered_slots_{}.frag", layout.attachments());
-    recorder.prepare(layers_);
-    recorder.bind(Slot::image_0, layers_);
-    recorder.draw_ordered(
-        frame.scene,
-        frame.pipelines.scene({.fragment_shader = shader,
-                               .constants = constants,
-                               .colors = std::vector<VkFormat>(layout.attachments(), kOrderedFormat),
-                               .ordered = &layout}),
-        target_, frame.attachments());
+    const std::string shader = fmt::format("capture/ordered_slots_{}.frag", target_.layout().attachments());
+    frame.gather_in_order(recorder, shader, constants, layers_, target_);
   }
   static void resolve(const Frame& frame, Recorder& recorder, std::string_view shader,
                       const Constants& constants) {

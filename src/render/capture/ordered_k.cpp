@@ -37,17 +37,8 @@ class OrderedK final : public Technique {
   }
   void start(Frame& frame, Recorder& recorder) override {
     const Constants constants{frame.effect, frame.options.k};
-    const OrderedLayout& layout = target_.layout();
-    const std::string shader = fmt::format("capture/ordered_window_{}.frag", layout.attachments());
-    recorder.prepare(layers_);
-    recorder.bind(Slot::image_0, layers_);
-    recorder.draw_ordered(
-        frame.scene,
-        frame.pipelines.scene({.fragment_shader = shader,
-                               .constants = constants,
-                               .colors = std::vector<VkFormat>(layout.attachments(), kOrderedFormat),
-                               .ordered = &layout}),
-        target_, frame.attachments());
+    const std::string shader = fmt::format("capture/ordered_window_{}.frag", target_.layout().attachments());
+    frame.gather_in_order(recorder, shader, constants, layers_, target_);
     recorder.barrier();
     recorder.begin_resolve();
     recorder.dispatch(frame.pipelines.compute("resolve/ordered_window.comp", constants), frame.tiles_x(),

@@ -122,8 +122,11 @@ TEST_P(Alternatives, PicturesInBandsAreTheSame) {
   limited.load(scene);
   testing::test_renderer().load(scene);
   const Camera camera = testing::unit_camera(16, 24);
-  const RenderOptions options{.technique = GetParam().name};
-  EXPECT_EQ(limited.draw(camera, options).pixels, testing::test_renderer().draw(camera, options).pixels);
+  for (const std::uint32_t samples : {1U, 4U}) {
+    const RenderOptions options{.technique = GetParam().name, .samples = samples};
+    EXPECT_EQ(limited.draw(camera, options).pixels, testing::test_renderer().draw(camera, options).pixels)
+        << samples;
+  }
 }
 
 TEST_P(Alternatives, RefuseWhatTheyCannotDo) {

@@ -53,11 +53,16 @@ void print_result(const CapturePicture& picture, const std::string& device, cons
       : stats.k_least  ? fmt::format("k {}, ", format_k_range(stats))
                        : "",
       stats.geometry_passes, bytes_text(stats.bytes), stats.milliseconds));
+  if (!stats.chosen.empty()) session.print(fmt::format("{}: {}\n", stats.chosen, stats.reason));
 }
 
 template <class Value>
 nlohmann::ordered_json or_null(const std::optional<Value>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json text_or_null(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(text);
 }
 
 nlohmann::ordered_json sync_json(Sync chosen) {
@@ -82,6 +87,8 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"covered_pixels", stats.covered_pixels},
           {"deepest_pixel", stats.deepest_pixel},
           {"sync", sync_json(stats.sync)},
+          {"chosen", text_or_null(stats.chosen)},
+          {"reason", text_or_null(stats.reason)},
           {"rounds", stats.rounds},
           {"passes", stats.geometry_passes},
           {"fullscreen_passes", stats.fullscreen_passes},
@@ -136,6 +143,7 @@ void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera&
   std::vector<double> resolve;
   for (std::uint32_t frame = 1; frame < frames; ++frame) {
     const CaptureStats times = renderer.draw(camera, options, session.progress()).stats;
+    take_choice(times, stats);
     all.push_back(times.milliseconds);
     resolve.push_back(times.resolve_milliseconds);
     stop_if_signalled();
@@ -149,6 +157,16 @@ void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera&
 }
 
 }  // namespace
+
+void take_choice(const CaptureStats& later, CaptureStats& stats) {
+  if (later.chosen.empty()) return;
+  stats.chosen = later.chosen;
+  stats.reason = later.reason;
+  stats.bytes = later.bytes;
+  stats.rounds = later.rounds;
+  stats.geometry_passes = later.geometry_passes;
+  stats.fullscreen_passes = later.fullscreen_passes;
+}
 
 Image to_image(const RenderResult& result) {
   Image image{result.width, result.height, {}};

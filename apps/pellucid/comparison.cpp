@@ -55,7 +55,9 @@ class Contender {
     if (!failure_.empty()) return;
     options_.statistics = false;
     try {
-      milliseconds_.push_back(draw().stats.milliseconds);
+      const CaptureStats times = draw().stats;
+      take_choice(times, stats_);
+      milliseconds_.push_back(times.milliseconds);
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
       failure_ = error.what();
@@ -329,6 +331,10 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
   for (std::size_t i = 0; i < all.size(); ++i) {
     compared.techniques[i].stats = all[i].stats();
     compared.techniques[i].failure = all[i].failure();
+    const CaptureStats& stats = all[i].stats();
+    if (stats.chosen.empty()) continue;
+    compared.notes.push_back(
+        fmt::format("{} took {}: {}", options.techniques[i], stats.chosen, stats.reason));
   }
   if (!drawn.turn.empty()) try_flicker(renderer, drawn, options, session, compared);
   return compared;

@@ -218,7 +218,9 @@ struct CaptureStats {
   // Slots for fragments of a covered pixel, of techniques with a budget: least, most, sum.
   std::optional<std::uint32_t> k_least, k_most;
   std::uint64_t k_sum = 0;
-  Sync sync = Sync::automatic;          // what was chosen; automatic: the technique has no choice
+  Sync sync = Sync::automatic;  // what was chosen; automatic: the technique has no choice
+  // Of `auto`: the technique that it took, and why; several where bands of a picture differ.
+  std::string chosen, reason;
   std::uint32_t rounds = 0;             // of techniques that peel
   std::uint32_t geometry_passes = 0;    // how often all triangles were drawn
   std::uint32_t fullscreen_passes = 0;  // compute passes over the picture

@@ -15,6 +15,9 @@ namespace pellucid::render {
 // kEffect beyond the public effects: deliver the fragments themselves (shaders/resolve/dump.glsl).
 constexpr std::uint32_t kDumpEffect = 7;
 
+// Of an effect's state in memory (shaders/resolve/state.glsl).
+constexpr std::uint64_t kStateBytes = 32;
+
 // What the fragments of a pass have to be looked at for: kFeatures of shaders/interface/frame.glsl.
 enum Feature : std::uint32_t {
   behind_opaque = 1,  // those behind opaque surfaces are none

@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "automatic.h"
 #include "capture/nearest_rounds.h"
 #include "capture/synchronisation.h"
 #include "capture/technique.h"
@@ -76,6 +77,16 @@ struct Renderer::Implementation {
   // Throws Error{internal} when the device is gone.
   void refuse_if_lost() const;
   void draw_band(const Job& job, const Band& band, RenderResult& result);
+  // What a band has in front of opaque surfaces.
+  struct Counted {
+    render::Frame frame;
+    std::vector<std::uint32_t> counts;  // fragments of every pixel
+    CaptureStats opaque, counting;      // time and passes that it took
+  };
+  // False: it is too large for the technique, and nothing was done.
+  bool capture_band(const Job& job, const Band& band, Counted& counted, RenderResult& result);
+  // The same by the technique that suits what was counted.
+  bool choose_and_capture(const Job& job, const Band& band, Counted& counted, RenderResult& result);
   // Where the pool of the technique that was asked for does not suffice, or its loops.
   [[nodiscard]] std::unique_ptr<render::Technique> make_for_small_pool(const Job& job,
                                                                        const render::Frame& frame) const;
@@ -115,8 +126,9 @@ struct Renderer::Implementation {
   render::Buffer left_after;  // pixels that the next round may find something for, after each of some rounds
   render::Buffer frame_buffer, picture, dump;
   using BandKey = std::pair<std::uint32_t, std::uint32_t>;
-  std::map<BandKey, render::Buffer> residues;  // of the last frame, by band
-  std::set<BandKey> drawn_bands;               // of the current one
+  std::map<BandKey, render::Buffer> residues;            // of the last frame, by band
+  std::map<BandKey, render::SequenceHistory> histories;  // of all frames of the scene, by band
+  std::set<BandKey> drawn_bands;                         // of the current one
 };
 
 render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& band) {
@@ -383,14 +395,50 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
     draw_band(job, {band.first_row, upper}, result);
     draw_band(job, {band.first_row + upper, band.rows - upper}, result);
   };
-  render::Frame frame = make_frame(job, band);
+  Counted counted{make_frame(job, band), {}, {}, {}};
+  render::Frame& frame = counted.frame;
   const bool too_large =
       32 * frame.pixels() > most || frame.tiles() > kMostTiles || frame.height > context.info().max_side;
   if (band.rows > 1 && too_large) return halves();
-  CaptureStats before;
-  draw_opaque(job, frame, before);
-  CaptureStats counting;
-  const std::vector<std::uint32_t> counts = count(job, frame, counting);
+  draw_opaque(job, frame, counted.opaque);
+  counted.counts = count(job, frame, counted.counting);
+  frame.counts = counted.counts;
+  const bool is_chosen = job.technique.make == nullptr;
+  if (!(is_chosen ? choose_and_capture(job, band, counted, result)
+                  : capture_band(job, band, counted, result)))
+    halves();
+}
+
+bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& band, Counted& counted,
+                                                  RenderResult& result) {
+  render::SequenceHistory& history = histories[{band.first_row, band.rows}];
+  const render::AutomaticChoice choice =
+      render::choose_technique(render::automatic_demand(counted.frame, history));
+  RenderOptions named = job.options;
+  named.technique = choice.technique;
+  const Job chosen{job.camera, job.options, render::find_technique(named, context.info()), job.effect,
+                   job.progress};
+  render::check_technique(chosen.technique.info, job.options, context.info());
+  const std::uint64_t repaired_before = result.stats.repaired_pixels;
+  if (!capture_band(chosen, band, counted, result)) return false;
+  // Fragments are counted to choose, where there is a budget; else those of the last frame would do.
+  if (job.options.memory != 0 && !chosen.technique.make()->needs_counts()) {
+    result.stats.milliseconds += counted.counting.milliseconds;
+    result.stats.geometry_passes += counted.counting.geometry_passes;
+  }
+  if (job.effect != render::kDumpEffect)
+    history.add_frame(choice.technique, result.stats.repaired_pixels - repaired_before,
+                      counted.frame.covered);
+  if (result.stats.chosen.find(choice.technique) == std::string::npos) {
+    result.stats.chosen.append(result.stats.chosen.empty() ? "" : ", ").append(choice.technique);
+    result.stats.reason.append(result.stats.reason.empty() ? "" : "; ").append(choice.reason);
+  }
+  return true;
+}
+
+bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Counted& counted,
+                                            RenderResult& result) {
+  render::Frame& frame = counted.frame;
   const bool pool_exceeded = job.technique.info.pooled && frame.fragments > frame.capacity();
   std::unique_ptr<render::Technique> technique =
       pool_exceeded ? make_for_small_pool(job, frame) : job.technique.make();
@@ -399,7 +447,7 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
                                             ? 4 * (frame.pixels() + 1 + render::kDumpWords * frame.fragments)
                                             : 0);
   const bool over_budget = job.options.memory != 0 && technique->least_bytes(frame) > job.options.memory;
-  if (band.rows > 1 && (needed > most || over_budget)) return halves();
+  if (band.rows > 1 && (needed > context.info().max_buffer_bytes || over_budget)) return false;
   if (over_budget) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--memory: {} bytes do not hold what is kept of a row of pixels: {} bytes",
@@ -407,20 +455,21 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
   }
   drawn_bands.insert({band.first_row, band.rows});
   result.stats.pool_exceeded = result.stats.pool_exceeded || pool_exceeded;
-  result.stats.milliseconds += before.milliseconds;
-  result.stats.geometry_passes += before.geometry_passes;
+  result.stats.milliseconds += counted.opaque.milliseconds;
+  result.stats.geometry_passes += counted.opaque.geometry_passes;
   if (technique->needs_counts()) {
-    result.stats.milliseconds += counting.milliseconds;
-    result.stats.geometry_passes += counting.geometry_passes;
+    result.stats.milliseconds += counted.counting.milliseconds;
+    result.stats.geometry_passes += counted.counting.geometry_passes;
   }
   const CaptureStats before_capture = result.stats;
-  capture(job, frame, *technique, result, counts);
+  capture(job, frame, *technique, result, counted.counts);
   // Layers may be larger than a pool that they share one after the other, and loops of a driver may end
   // early: what is lost then would depend on the sequence of drawing.
   const bool lost = !pool_exceeded && result.stats.overflowed > before_capture.overflowed;
-  if (!lost || !job.technique.info.exact || !context.info().atomics64) return;
+  if (!lost || !job.technique.info.exact || !context.info().atomics64) return true;
   technique.reset();
-  capture_again(job, band, frame, before_capture, result, counts);
+  capture_again(job, band, frame, before_capture, result, counted.counts);
+  return true;
 }
 
 void Renderer::Implementation::capture_again(const Job& job, const Band& band, const render::Frame& first,
@@ -507,6 +556,7 @@ void Renderer::load(const RenderScene& scene) {
   implementation_->refuse_if_lost();
   implementation_->scene.reset();
   implementation_->residues.clear();
+  implementation_->histories.clear();
   implementation_->scene = render::upload_scene(implementation_->context, scene);
 }
 

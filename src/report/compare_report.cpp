@@ -37,7 +37,9 @@ Json json_of_stats(const CaptureStats& stats, double pixels) {
           {"coplanar_pixels", stats.coplanar_pixels},
           {"k_least", stats.k_least ? Json(*stats.k_least) : Json(nullptr)},
           {"k_most", stats.k_most ? Json(*stats.k_most) : Json(nullptr)},
-          {"k_mean", stats.k_mean() ? Json(*stats.k_mean()) : Json(nullptr)}};
+          {"k_mean", stats.k_mean() ? Json(*stats.k_mean()) : Json(nullptr)},
+          {"chosen", stats.chosen.empty() ? Json(nullptr) : Json(stats.chosen)},
+          {"reason", stats.reason.empty() ? Json(nullptr) : Json(stats.reason)}};
 }
 
 void append(Json& json, Json more, bool known) {

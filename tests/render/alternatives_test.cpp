@@ -23,13 +23,6 @@ RenderResult draw_by(const std::string& technique, std::uint32_t k = 8, const Ve
       {.technique = technique, .background = background, .k = k, .plain_resolve = true});
 }
 
-float largest_error(const RenderResult& a, const RenderResult& b) {
-  float largest = 0;
-  for (std::size_t p = 0; p < a.pixels.size(); ++p)
-    largest = std::max(largest, testing::difference(a.pixels[p], b.pixels[p]));
-  return largest;
-}
-
 // Squares over the whole picture, one at each depth.
 RenderScene sheets(std::initializer_list<float> depths, float alpha) {
   RenderScene scene;
@@ -61,7 +54,7 @@ class Alternatives : public ::testing::TestWithParam<TechniqueInfo> {
 TEST_P(Alternatives, SingleLayersAreExact) {
   for (const float alpha : {0.05F, 0.5F, 0.95F}) {
     testing::test_renderer().load(sheets({0.625F}, alpha));
-    EXPECT_LE(largest_error(draw_by("sb"), draw_by(GetParam().name)), kHalfRounding) << alpha;
+    EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by(GetParam().name)), kHalfRounding) << alpha;
   }
 }
 
@@ -69,7 +62,7 @@ TEST_P(Alternatives, OpaqueSurfacesHideWhatIsBehindThem) {
   RenderScene scene = sheets({0.25F, 0.5F, 0.75F}, 0.5F);
   scene.surfaces[1].opaque = true;
   testing::test_renderer().load(scene);
-  EXPECT_LE(largest_error(draw_by("sb"), draw_by(GetParam().name)), kHalfRounding);
+  EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by(GetParam().name)), kHalfRounding);
 }
 
 TEST_P(Alternatives, PicturesDependOnTheSequenceOnlyWhereTheySay) {
@@ -79,7 +72,7 @@ TEST_P(Alternatives, PicturesDependOnTheSequenceOnlyWhereTheySay) {
   EXPECT_EQ(draw_by(GetParam().name).pixels, straight.pixels);
   scene.sequence = shuffled_sequence(scene, 8);
   testing::test_renderer().load(scene);
-  const float changed = largest_error(straight, draw_by(GetParam().name));
+  const float changed = testing::largest_difference(straight, draw_by(GetParam().name));
   if (GetParam().order_free) {
     EXPECT_LE(changed, 2 * kHalfRounding);
   } else {
@@ -183,10 +176,10 @@ TEST_F(OneAlternative, WeightedIsTheFormulaOfThePaper) {
 TEST_F(OneAlternative, MomentsAreExactForTwoLayers) {
   for (const float alpha : {0.2F, 0.6F}) {
     testing::test_renderer().load(sheets({0.75F, 0.25F}, alpha));
-    EXPECT_LE(largest_error(draw_by("sb"), draw_by("mboit4")), 3 * kHalfRounding) << alpha;
+    EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by("mboit4")), 3 * kHalfRounding) << alpha;
   }
   testing::test_renderer().load(sheets({0.75F, 0.25F, 0.5F, 0.375F, 0.625F, 0.125F}, 0.5F));
-  const float blurred = largest_error(draw_by("sb"), draw_by("mboit4"));
+  const float blurred = testing::largest_difference(draw_by("sb"), draw_by("mboit4"));
   EXPECT_GT(blurred, 3 * kHalfRounding);
   EXPECT_LT(blurred, 0.05F);
 }
@@ -197,11 +190,11 @@ TEST_F(OneAlternative, MultiLayerIsExactUpToFourFragments) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     scene.sequence = shuffled_sequence(scene, seed);
     testing::test_renderer().load(scene);
-    EXPECT_LE(largest_error(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
+    EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
   }
   // More of them from front to back, too: then the farthest are merged in order.
   testing::test_renderer().load(sheets({0.125F, 0.25F, 0.375F, 0.5F, 0.625F, 0.75F, 0.875F}, 0.4F));
-  EXPECT_LE(largest_error(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
+  EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
 }
 
 TEST_F(OneAlternative, StochasticIsRightOnAverage) {

@@ -186,6 +186,13 @@ float difference(const Vec3f& a, const Vec3f& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
 
+float largest_difference(const RenderResult& a, const RenderResult& b) {
+  float largest = 0;
+  for (std::size_t p = 0; p < a.pixels.size(); ++p)
+    largest = std::max(largest, difference(a.pixels[p], b.pixels[p]));
+  return largest;
+}
+
 bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Fragment& f, const Fragment& g) {
     return f.depth == g.depth && f.node == g.node;

@@ -42,8 +42,11 @@ Camera unit_camera(std::uint32_t width, std::uint32_t height);
 // The oracle: all fragments of the scene.
 FragmentBuffer cpu_fragments(const RenderScene& scene, const Camera& camera);
 
-// The largest of a channel.
+// The largest of a channel, and of all pixels.
 float difference(const Vec3f& a, const Vec3f& b);
+float largest_difference(const RenderResult& a, const RenderResult& b);
+// A fold ends where less than 1/16,384 gets through, blending in hardware does not.
+constexpr float kFoldRounding = 1.0F / 16384 + 2e-6F;
 
 // The same depths and ids in the same sequence.
 bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b);

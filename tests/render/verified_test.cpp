@@ -11,8 +11,8 @@
 namespace pellucid {
 namespace {
 
-// A fold ends where less than 1/16,384 gets through, blending in hardware does not.
-constexpr float kFoldRounding = 1.0F / 16384 + 2e-6F;
+using testing::kFoldRounding;
+using testing::largest_difference;
 
 std::vector<std::uint32_t> shuffled(std::size_t count, std::uint64_t seed) {
   Random random(seed);
@@ -53,13 +53,6 @@ std::uint64_t pixels_out_of_order(const RenderScene& scene, const Camera& camera
     count += wrong ? 1 : 0;
   }
   return count;
-}
-
-float largest_difference(const RenderResult& a, const RenderResult& b) {
-  float largest = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i)
-    largest = std::max(largest, testing::difference(a.pixels[i], b.pixels[i]));
-  return largest;
 }
 
 TEST(VerifiedBlending, IsExactInAnySequence) {

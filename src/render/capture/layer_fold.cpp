@@ -9,8 +9,6 @@
 namespace pellucid::render {
 namespace {
 
-constexpr std::uint64_t kStateBytes = 32;
-
 std::string name_of(LayerStorage storage) {
   switch (storage) {
     case LayerStorage::image:

@@ -15,6 +15,10 @@ class LinkedLists final : public Technique {
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return std::max(16 * frame.capacity(), 4 * buckets(frame) * frame.pixels());
   }
+  [[nodiscard]] std::uint64_t most_bytes(const Frame& frame) const override {
+    return (4 * buckets(frame) + (bucketed_ ? 8 : 0)) * frame.pixels() + 16 * frame.capacity() +
+           ListResolve::bytes(frame);
+  }
   void allocate(Frame& frame) override {
     heads_ = frame.make_buffer("list heads", 4 * buckets(frame) * frame.pixels());
     bounds_ = frame.make_buffer("depth bounds", bucketed_ ? 8 * frame.pixels() : 0);

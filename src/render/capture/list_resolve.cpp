@@ -15,9 +15,12 @@ constexpr std::array<TileClass, 5> kClasses{{{"4", 0}, {"8", 4}, {"16", 8}, {"ru
 
 }  // namespace
 
+std::uint64_t ListResolve::bytes(const Frame& frame) {
+  return 4 * kClasses.size() * (3 + frame.tiles());
+}
+
 void ListResolve::allocate(Frame& frame) {
-  const std::uint64_t tiles = std::uint64_t{frame.tiles_x()} * frame.tiles_y();
-  tiles_ = frame.make_buffer("list of tiles", 4 * kClasses.size() * (3 + tiles));
+  tiles_ = frame.make_buffer("list of tiles", bytes(frame));
 }
 
 void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k,

@@ -12,6 +12,7 @@ class ListResolve {
   // `storage`: "ranges", "lists" or "arrays" (shaders/resolve/storage.glsl).
   explicit ListResolve(std::string storage) : storage_(std::move(storage)) {}
   void allocate(Frame& frame);
+  [[nodiscard]] static std::uint64_t bytes(const Frame& frame);
   // Slots a, b, c hold the storage; `k` is its constant kK.
   void record(Frame& frame, Recorder& recorder, std::uint32_t k) const {
     record(frame, recorder, k, nullptr);

@@ -13,8 +13,7 @@
 namespace pellucid::render {
 namespace {
 
-constexpr std::uint64_t kPlaceBytes = 12;  // key, colour
-constexpr std::uint64_t kStateBytes = 32;
+constexpr std::uint64_t kPlaceBytes = 12;                // key, colour
 constexpr std::uint64_t kPixelBytes = kStateBytes + 12;  // last key, first place
 // Buffers are not smaller than 16 bytes: four places.
 constexpr std::uint64_t kLeastPoolBytes = 4 * kPlaceBytes;

@@ -1,4 +1,5 @@
 // The list of capture techniques: a new one is a file beside this and a line here.
+#include "../automatic.h"
 #include "blending_techniques.h"
 #include "budget_techniques.h"
 #include "buffer_techniques.h"
@@ -39,6 +40,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
       moment_blend(),
       multi_layer_blend(),
       stochastic_blend(),
+      automatic(),
   };
   return kEntries;
 }

@@ -11,6 +11,9 @@ class SBuffer final : public Technique {
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return std::max(12 * frame.capacity(), 4 * frame.pixels());
   }
+  [[nodiscard]] std::uint64_t most_bytes(const Frame& frame) const override {
+    return 8 * frame.pixels() + 12 * frame.capacity() + ListResolve::bytes(frame);
+  }
   void allocate(Frame& frame) override {
     counts_ = frame.make_buffer("fragment counts", 4 * frame.pixels());
     ends_ = frame.make_buffer("fragment ranges", 4 * frame.pixels());

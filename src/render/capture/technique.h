@@ -21,6 +21,8 @@ class Technique {
   // Of those that keep to RenderOptions::memory: what they need for a picture at least. Where that is more,
   // the picture is cut into bands.
   [[nodiscard]] virtual std::uint64_t least_bytes(const Frame& /*frame*/) const { return 0; }
+  // All that it takes for a picture, at most; of those that `auto` chooses by it. Else 0.
+  [[nodiscard]] virtual std::uint64_t most_bytes(const Frame& /*frame*/) const { return 0; }
   // Bytes of the largest buffer that it needs for a picture: where it is too large, the picture is cut into
   // bands.
   [[nodiscard]] virtual std::uint64_t largest_buffer(const Frame& frame) const = 0;
@@ -46,6 +48,7 @@ class Technique {
 
 struct TechniqueEntry {
   TechniqueInfo info;
+  // Null: for every picture, one of the others is chosen (automatic.h).
   std::unique_ptr<Technique> (*make)();
 };
 

@@ -16,25 +16,36 @@ namespace {
 constexpr VkFormat kDepthAndMarks = VK_FORMAT_D32_SFLOAT_S8_UINT;
 constexpr std::uint64_t kNodeBytes = 12;
 
+// Behind the last triangle that is drawn.
+std::uint64_t triangles_end(const GpuScene& scene) {
+  std::uint64_t end = 0;
+  for (const DrawRange& range : scene.ranges)
+    end = std::max<std::uint64_t>(end, range.first_triangle + range.triangles);
+  return end;
+}
+
 class VerifiedBlend final : public Technique {
  public:
   // If all pixels were marked.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return std::max(kNodeBytes * frame.fragments, 16 * frame.pixels());
   }
+  [[nodiscard]] std::uint64_t most_bytes(const Frame& frame) const override {
+    const std::uint64_t triangles = triangles_end(frame.scene);
+    return 32 * frame.pixels() + 4 * (3 + 2 * frame.tiles()) + 16 * triangles +
+           frame.scene.ranges.size() * sizeof(VkDrawIndexedIndirectCommand) + kNodeBytes * frame.fragments +
+           ListResolve::bytes(frame);
+  }
   void allocate(Frame& frame) override {
     blended_ = frame.make_image("blended colours", kBlended);
     marks_ = frame.make_image("depths and marks", kDepthAndMarks);
     counts_ = frame.make_buffer("marked fragments", 4 * frame.pixels());
     ends_ = frame.make_buffer("marked ranges", 4 * frame.pixels());
-    marked_tiles_ =
-        frame.make_buffer("marked tiles", 4 * (3 + 2 * std::uint64_t{frame.tiles_x()} * frame.tiles_y()));
+    marked_tiles_ = frame.make_buffer("marked tiles", 4 * (3 + 2 * frame.tiles()));
     std::vector<VkDrawIndexedIndirectCommand> draws;
-    std::uint64_t triangles = 0;
-    for (const DrawRange& range : frame.scene.ranges) {
+    for (const DrawRange& range : frame.scene.ranges)
       draws.push_back({.indexCount = 0, .instanceCount = 1, .firstIndex = 3 * range.first_triangle});
-      triangles = std::max<std::uint64_t>(triangles, range.first_triangle + range.triangles);
-    }
+    const std::uint64_t triangles = triangles_end(frame.scene);
     triangles_ = frame.make_buffer("triangles of marked tiles", 4 * triangles);
     indices_ = frame.make_buffer("indices of marked tiles", 12 * triangles);
     arguments_ = frame.make_buffer("arguments of draws", draws.size() * sizeof draws[0]);

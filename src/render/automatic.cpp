@@ -1,0 +1,106 @@
+// The choice of `auto`: see automatic.h.
+#include "automatic.h"
+
+#include <fmt/format.h>
+
+#include "capture/blending_techniques.h"
+#include "capture/buffer_techniques.h"
+
+namespace pellucid::render {
+namespace {
+
+std::string found_before(double repaired) {
+  return fmt::format("{:.3g} % of the covered pixels were out of order when last tried", 100 * repaired);
+}
+std::string megabytes(std::uint64_t bytes) {
+  return fmt::format("{:.2f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+bool fits(const AutomaticDemand& demand, std::uint64_t bytes) {
+  return demand.memory == 0 || bytes <= demand.memory;
+}
+
+// Why verified blending is worth it; empty: it is not.
+std::string reason_to_verify(const AutomaticDemand& demand) {
+  if (!demand.blends || !fits(demand, demand.verified_bytes)) return "";
+  if (!demand.repaired) return "to see how many pixels the sequence of triangles draws in order";
+  if (*demand.repaired > kMostRepaired) return "";
+  return fmt::format("{} of the covered pixels were out of order when last tried", percent(*demand.repaired));
+}
+
+std::string reason_to_capture_all(const AutomaticDemand& demand) {
+  if (!demand.blends) return "the effect needs the fragments themselves";
+  if (demand.repaired && *demand.repaired > kMostRepaired) {
+    return fmt::format("{} of the covered pixels were out of order when last tried",
+                       percent(*demand.repaired));
+  }
+  return "checking the sequence of triangles might take " + megabytes(demand.verified_bytes);
+}
+
+AutomaticChoice capture_all(const AutomaticDemand& demand) {
+  const std::string reason = reason_to_capture_all(demand);
+  if (fits(demand, demand.lists_bytes)) return {"ll", reason};
+  return {"sb", fmt::format("{}, and lists {}", reason, megabytes(demand.lists_bytes))};
+}
+
+AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
+  const std::string reason = fmt::format("all fragments at once take {} of {}",
+                                         megabytes(demand.ranges_bytes), megabytes(demand.memory));
+  if (!demand.atomics64) {
+    throw Error(ErrorKind::bad_argument,
+                "--technique auto: " + reason +
+                    ", and what keeps to less memory needs 64-bit atomics, which the device has not");
+  }
+  if (demand.overflow == Overflow::exact || !demand.blends)
+    return {"multikb", reason + ": the nearest ones, round after round"};
+  return {"variable-k", reason + ": those that matter most, the rest averaged"};
+}
+
+}  // namespace
+
+AutomaticChoice choose_technique(const AutomaticDemand& demand) {
+  if (const std::string reason = reason_to_verify(demand); !reason.empty()) return {"verified", reason};
+  if (fits(demand, demand.ranges_bytes)) return capture_all(demand);
+  return keep_to_budget(demand);
+}
+
+std::optional<double> SequenceHistory::repaired() const {
+  return frames_since_ < kFramesUntilTrial ? repaired_ : std::nullopt;
+}
+
+void SequenceHistory::add_frame(const std::string& technique, std::uint64_t repaired, std::uint64_t covered) {
+  if (technique != "verified") {
+    ++frames_since_;
+    return;
+  }
+  repaired_ = covered == 0 ? 0.0 : static_cast<double>(repaired) / static_cast<double>(covered);
+  frames_since_ = 0;
+}
+
+TechniqueEntry automatic() {
+  return {
+      {.name = "auto",
+       .title =
+           "for every frame the one that suits it: verified, ll, sb, or within --memory multikb, variable-k",
+       .paper = "",
+       .captures = "all; within --memory, as many as fit",
+       .passes_formula = "of the chosen one",
+       .bytes_formula = "of the chosen one",
+       .budgeted = true},
+      nullptr};
+}
+
+AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& history) {
+  const bool blends =
+      frame.options.effect == Effect::transparency || frame.options.effect == Effect::wireframe;
+  return {.blends = blends && !frame.options.keep_fragments,
+          .memory = frame.options.memory,
+          .overflow = frame.options.overflow,
+          .atomics64 = frame.context.info().atomics64,
+          .repaired = history.repaired(),
+          .verified_bytes = verified_blend().make()->most_bytes(frame),
+          .lists_bytes = linked_lists().make()->most_bytes(frame),
+          .ranges_bytes = s_buffer().make()->most_bytes(frame)};
+}
+
+}  // namespace pellucid::render

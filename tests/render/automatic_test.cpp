@@ -1,0 +1,194 @@
+// `auto`: what it takes for which frame, that its pictures are those of what it took, and that it keeps to a
+// budget.
+#include "render/automatic.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "render_helpers.h"
+
+namespace pellucid {
+namespace {
+
+using render::AutomaticDemand;
+using render::choose_technique;
+using render::SequenceHistory;
+using ::testing::HasSubstr;
+using testing::kFoldRounding;
+using testing::largest_difference;
+
+// Of a frame that takes 100, 60 and 40 bytes.
+AutomaticDemand demand_for(std::uint64_t memory) {
+  AutomaticDemand demand;
+  demand.memory = memory;
+  demand.verified_bytes = 100;
+  demand.lists_bytes = 60;
+  demand.ranges_bytes = 40;
+  return demand;
+}
+
+std::string chosen_for(const AutomaticDemand& demand) {
+  const render::AutomaticChoice choice = choose_technique(demand);
+  EXPECT_FALSE(choice.reason.empty());
+  return choice.technique;
+}
+
+TEST(AutomaticChoice, TriesTheSequenceFirst) {
+  EXPECT_EQ(chosen_for(demand_for(0)), "verified");
+  EXPECT_EQ(chosen_for(demand_for(100)), "verified");
+}
+
+TEST(AutomaticChoice, GoesByWhatTheSequenceGotWrong) {
+  AutomaticDemand demand = demand_for(0);
+  demand.repaired = 0.01;
+  EXPECT_EQ(chosen_for(demand), "verified");
+  EXPECT_THAT(choose_technique(demand).reason, HasSubstr("1 %"));
+  demand.repaired = 0.9;
+  EXPECT_EQ(chosen_for(demand), "ll");
+  EXPECT_THAT(choose_technique(demand).reason, HasSubstr("90 %"));
+}
+
+TEST(AutomaticChoice, TakesTheFirstThatFits) {
+  EXPECT_EQ(chosen_for(demand_for(99)), "ll");
+  EXPECT_EQ(chosen_for(demand_for(60)), "ll");
+  EXPECT_EQ(chosen_for(demand_for(59)), "sb");
+  EXPECT_EQ(chosen_for(demand_for(40)), "sb");
+  EXPECT_EQ(chosen_for(demand_for(39)), "variable-k");
+  AutomaticDemand exact = demand_for(39);
+  exact.overflow = Overflow::exact;
+  EXPECT_EQ(chosen_for(exact), "multikb");
+}
+
+TEST(AutomaticChoice, KeepsFragmentsForEffectsThatNeedThem) {
+  AutomaticDemand demand = demand_for(0);
+  demand.blends = false;
+  EXPECT_EQ(chosen_for(demand), "ll");
+  demand.memory = 39;
+  EXPECT_EQ(chosen_for(demand), "multikb");
+}
+
+TEST(AutomaticChoice, SaysWhatASmallBudgetNeeds) {
+  AutomaticDemand demand = demand_for(39);
+  demand.atomics64 = false;
+  EXPECT_THROW(choose_technique(demand), Error);
+  demand.memory = 40;
+  EXPECT_EQ(chosen_for(demand), "sb");
+}
+
+TEST(SequenceHistory, AsksForATrialAfterSomeFrames) {
+  SequenceHistory history;
+  EXPECT_FALSE(history.repaired());
+  history.add_frame("verified", 3, 4);
+  ASSERT_TRUE(history.repaired());
+  EXPECT_EQ(*history.repaired(), 0.75);
+  for (std::uint32_t frame = 0; frame < render::kFramesUntilTrial; ++frame) {
+    EXPECT_TRUE(history.repaired()) << frame;
+    history.add_frame("ll", 0, 4);
+  }
+  EXPECT_FALSE(history.repaired());
+  history.add_frame("verified", 0, 0);
+  EXPECT_EQ(history.repaired(), 0.0);
+}
+
+std::vector<std::uint32_t> reversed(std::size_t count) {
+  std::vector<std::uint32_t> sequence(count);
+  std::iota(sequence.rbegin(), sequence.rend(), 0U);
+  return sequence;
+}
+
+// Sheets from the nearest to the farthest: the sequence as stored is right.
+RenderScene ordered_sheets() {
+  RenderScene scene = testing::coplanar_squares(1, 0.125F);
+  for (int i = 2; i <= 7; ++i)
+    scene = testing::joined(scene, testing::coplanar_squares(1, 0.125F * static_cast<float>(i)));
+  return scene;
+}
+
+TEST(Automatic, StaysWithASequenceThatIsRight) {
+  Renderer& renderer = testing::test_renderer();
+  const Camera camera = testing::unit_camera(40, 24);
+  renderer.load(ordered_sheets());
+  const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
+  EXPECT_EQ(exact.stats.chosen, "");
+  for (std::uint32_t frame = 0; frame < 3; ++frame) {
+    const RenderResult result = renderer.draw(camera, {.technique = "auto"});
+    EXPECT_EQ(result.stats.chosen, "verified");
+    EXPECT_NE(result.stats.reason, "");
+    EXPECT_LE(largest_difference(exact, result), kFoldRounding);
+  }
+  EXPECT_EQ(testing::first_validation_message(), "");
+}
+
+TEST(Automatic, LeavesASequenceThatIsWrongAndComesBackToSee) {
+  Renderer& renderer = testing::test_renderer();
+  const Camera camera = testing::unit_camera(40, 24);
+  RenderScene scene = ordered_sheets();
+  scene.sequence = reversed(scene.triangles.size());
+  renderer.load(scene);
+  const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
+  for (std::uint32_t frame = 0; frame < render::kFramesUntilTrial + 2; ++frame) {
+    const RenderResult result = renderer.draw(camera, {.technique = "auto"});
+    const bool tries = frame % (render::kFramesUntilTrial + 1) == 0;
+    EXPECT_EQ(result.stats.chosen, tries ? "verified" : "ll") << frame;
+    EXPECT_LE(largest_difference(exact, result), kFoldRounding);
+  }
+  // What was learned is of the scene that was loaded.
+  scene.sequence = {};
+  renderer.load(scene);
+  EXPECT_EQ(renderer.draw(camera, {.technique = "auto"}).stats.chosen, "verified");
+}
+
+TEST(Automatic, KeepsToEveryBudget) {
+  Renderer& renderer = testing::test_renderer();
+  if (!renderer.info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
+  const Camera camera = testing::unit_camera(64, 48);
+  const RenderScene scene = testing::random_stack(3, 200);
+  renderer.load(scene);
+  const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
+  std::vector<std::string> taken;
+  std::uint64_t captured = exact.stats.captured;
+  const std::uint64_t suffices = 2 * exact.stats.bytes;
+  for (std::uint64_t memory = suffices; memory >= suffices / 16; memory = memory * 19 / 20) {
+    renderer.load(scene);
+    const RenderResult result = renderer.draw(camera, {.technique = "auto", .memory = memory});
+    EXPECT_LE(result.stats.bytes, memory) << result.stats.chosen;
+    EXPECT_LE(result.stats.captured, captured) << memory;
+    captured = result.stats.captured;
+    if (taken.empty() || taken.back() != result.stats.chosen) taken.push_back(result.stats.chosen);
+    if (result.stats.captured == exact.stats.captured) {
+      EXPECT_LE(largest_difference(exact, result), kFoldRounding);
+    }
+  }
+  EXPECT_THAT(taken, ::testing::ElementsAre("verified", "sb", "variable-k"));
+  EXPECT_EQ(testing::first_validation_message(), "");
+}
+
+TEST(Automatic, IsExactInABudgetWhereThatIsAskedFor) {
+  Renderer& renderer = testing::test_renderer();
+  if (!renderer.info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
+  const Camera camera = testing::unit_camera(64, 48);
+  renderer.load(testing::random_stack(3, 200));
+  const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
+  const RenderResult result =
+      renderer.draw(camera, {.technique = "auto", .overflow = Overflow::exact, .memory = 120'000});
+  EXPECT_THAT(result.stats.chosen, HasSubstr("multikb"));
+  EXPECT_LE(result.stats.bytes, 120'000U);
+  EXPECT_EQ(result.stats.captured, exact.stats.captured);
+  EXPECT_LE(largest_difference(exact, result), kFoldRounding);
+}
+
+TEST(Automatic, DrawsEffectsThatNeedFragments) {
+  Renderer& renderer = testing::test_renderer();
+  const Camera camera = testing::unit_camera(40, 24);
+  renderer.load(testing::random_stack(5, 60));
+  const RenderResult exact = renderer.draw(camera, {.technique = "sb", .effect = Effect::complexity});
+  const RenderResult result = renderer.draw(camera, {.technique = "auto", .effect = Effect::complexity});
+  EXPECT_EQ(result.stats.chosen, "ll");
+  EXPECT_EQ(largest_difference(exact, result), 0);
+}
+
+}  // namespace
+}  // namespace pellucid

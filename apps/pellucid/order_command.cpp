@@ -188,6 +188,7 @@ FrontierReport new_frontier_report(const OrderCommandOptions& options) {
   report.picture_alpha = picture_alpha(options.order);
   report.max_error = options.order.max_error;
   report.min_psnr = options.order.min_psnr;
+  report.least_frame_time = options.order.least_frame_time;
   return report;
 }
 

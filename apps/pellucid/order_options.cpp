@@ -14,7 +14,8 @@
 namespace pellucid::cli {
 namespace {
 
-constexpr std::uint32_t kFrontierBuffers = 8;  // that --frontier shows unless --max-buffers says otherwise
+// That --frontier shows and --max-error auto tries, unless --max-buffers says otherwise.
+constexpr std::uint32_t kFrontierBuffers = 8;
 
 // "1.5,3,inf". CLI11's own lists know no infinity.
 std::vector<double> parse_distances(const std::string& text) {
@@ -35,6 +36,16 @@ std::vector<double> parse_distances(const std::string& text) {
   return distances;
 }
 
+void parse_max_error(const std::string& text, OrderOptions& order) {
+  order.least_frame_time = text == "auto";
+  if (order.least_frame_time) return;
+  char* rest = nullptr;
+  order.max_error = std::strtod(text.c_str(), &rest);
+  if (text.empty() || *rest != '\0' || !(order.max_error >= 0 && order.max_error <= 1)) {
+    throw CLI::ValidationError("--max-error: '" + text + "' is neither a share of 0 to 1 nor auto");
+  }
+}
+
 std::vector<double> sample_distances(const OrderCommandOptions& options) {
   if (options.distance > 0) return {options.distance};
   if (!options.distances.empty()) return parse_distances(options.distances);
@@ -50,6 +61,7 @@ void check_acyclic(const OrderCommandOptions& options) {
                 option + " needs --method budget: acyclic finds its own number of buffers");
   };
   if (options.buffers > 0) refuse("--buffers");
+  if (options.order.least_frame_time) refuse("--max-error auto");
   if (!options.frontier.empty()) refuse("--frontier");
 }
 
@@ -75,12 +87,16 @@ void add_method_options(CLI::App& command, OrderCommandOptions& o) {
       ->type_name("SPEC")
       ->capture_default_str()
       ->group("Method");
-  auto* max_error = command
-                        .add_option("--max-error", order.max_error,
-                                    "Share of wrong pixels to reach; when given and missed: exit 5")
-                        ->check(CLI::Range(0.0, 1.0))
-                        ->capture_default_str()
-                        ->group("Method");
+  auto* max_error =
+      command
+          .add_option_function<std::string>(
+              "--max-error", [&order](const std::string& text) { parse_max_error(text, order); },
+              "Share of wrong pixels to reach; when given and missed: exit 5. auto: as few buffers as "
+              "verified "
+              "blending hardly gets faster with more")
+          ->type_name("X|auto")
+          ->default_str("0.001")
+          ->group("Method");
   auto* min_psnr = command
                        .add_option("--min-psnr", order.min_psnr,
                                    "Instead: PSNR of the pictures to reach, dB; when missed: exit 5")
@@ -110,8 +126,9 @@ void add_method_options(CLI::App& command, OrderCommandOptions& o) {
           ->excludes(buffers)
           ->group("Method");
   command.parse_complete_callback([&o, max_error, min_psnr, max_buffers, frontier] {
-    o.target_given = max_error->count() > 0 || min_psnr->count() > 0;
-    if (frontier->count() > 0 && max_buffers->count() == 0) o.order.max_buffers = kFrontierBuffers;
+    o.target_given = (max_error->count() > 0 && !o.order.least_frame_time) || min_psnr->count() > 0;
+    const bool tries_all = frontier->count() > 0 || o.order.least_frame_time;
+    if (tries_all && max_buffers->count() == 0) o.order.max_buffers = kFrontierBuffers;
   });
   add_choice(command, "--priority", order.priority,
              {{"union", MergePriority::union_size},

@@ -27,6 +27,7 @@ struct FrontierReport {
   double picture_alpha = 0.5;  // opacity of the pictures that PSNR is of
   double max_error = 0.001;
   std::optional<double> min_psnr;  // in the place of max_error
+  bool least_frame_time = false;   // in the place of both
   std::vector<PrimitiveFrontier> primitives;
 };
 std::string to_text(const FrontierReport& report);

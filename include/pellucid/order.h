@@ -172,6 +172,9 @@ struct OrderOptions {
   // budget, in the place of max_error: until the PSNR of the pictures (lit, faces of opacity alpha, 0.5 where
   // that is 0; see shading.h) is at least this, dB, mean over the validation viewpoints.
   std::optional<double> min_psnr;
+  // budget, in the place of both: the fewest buffers, up to max_buffers, with which frames by verified
+  // blending take hardly longer than with any number of them (verified_frame_time()).
+  bool least_frame_time = false;
   std::uint32_t max_buffers = 16;  // budget: never more than this many
   std::uint32_t min_buffers = 1;   // budget: start here (equal to max_buffers: that many, but none unused)
   MergePriority priority = MergePriority::union_size;  // acyclic
@@ -216,9 +219,11 @@ struct FrontierPoint {
   std::uint32_t request = 0;
   std::uint32_t buffers = 0;       // that it holds: fewer than requested where one would serve no view
   double ipr = 0, psnr = 0;        // mean over the validation viewpoints, see OrderOptions::min_psnr
+  double repaired = 0;             // share of pixels that verified blending repairs, mean over the same
+  double frame_time = 1;           // of that, by verified_frame_time()
   double violated_weight = 0;      // as in OrderStatistics
   std::uint64_t memory_bytes = 0;  // index data when drawn
-  bool meets_target = false;       // max_error, or min_psnr
+  bool meets_target = false;       // max_error, min_psnr or least_frame_time
 };
 
 struct OrderFrontier {
@@ -229,6 +234,10 @@ struct OrderFrontier {
   OrderStatistics statistics;         // of the chosen number
   std::optional<OrderResult> result;  // of the chosen number, when asked for
 };
+
+// What a frame takes by verified blending (render.h), where blending alone takes 1 and this share of the
+// covered pixels is repaired: a curve through what was measured (docs/rendering.md, "What repairs cost").
+double verified_frame_time(double repaired);
 
 // Error against number of buffers, so that a user picks: the graph is built once, clustered for every number
 // from 1 to options.max_buffers. Errors never rise with the number (judged by the measure of the target).
@@ -263,9 +272,14 @@ std::vector<std::uint32_t> ranks_of(std::span<const NodeId> sequence, std::uint6
 constexpr float kDepthTie = 1e-6F;  // of the 0..1 depth range
 bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
 
+// Does verified blending (render.h) leave it as it is? Each fragment has to be drawn after all that are
+// nearer, and none may lie at the depth of another one.
+bool pixel_is_verified(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
+
 struct PixelCount {
   std::uint64_t foreground = 0;  // pixels with at least one fragment
   std::uint64_t incorrect = 0;   // of these, pixels that are not in order: IPR = incorrect / foreground
+  std::uint64_t repaired = 0;    // of these, pixels that are not verified
 };
 PixelCount count_incorrect_pixels(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks);
 

@@ -93,6 +93,7 @@ constexpr double kPerfectPsnr = 100;  // dB, for frames without any error
 struct FrameError {
   std::uint64_t foreground = 0;  // pixels with at least one fragment
   std::uint64_t incorrect = 0;  // pixels whose drawing order contradicts depth order, or that miss a fragment
+  std::uint64_t repaired = 0;   // pixels that verified blending would repair: pixel_is_verified()
   double squared_error = 0;     // summed over foreground pixels and the three channels, in [0,1] sRGB units
   [[nodiscard]] double ipr() const {
     return foreground == 0 ? 0 : static_cast<double>(incorrect) / static_cast<double>(foreground);

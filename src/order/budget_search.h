@@ -37,7 +37,7 @@ struct BudgetResult {
 
 template <class Archive, RecordOf<PictureError> T>
 void fields(Archive& archive, T& error) {
-  archive(error.ipr, error.psnr);
+  archive(error.ipr, error.psnr, error.repaired);
 }
 template <class Archive, RecordOf<BudgetResult> T>
 void fields(Archive& archive, T& result) {

@@ -13,15 +13,17 @@ double mean_squared_error(double psnr) {
 }  // namespace
 
 double ErrorTarget::error_of(const PictureError& measured) const {
+  if (least_frame_time) return measured.repaired;
   return min_psnr ? mean_squared_error(measured.psnr) : measured.ipr;
 }
 
 double ErrorTarget::largest() const {
+  if (least_frame_time) return 0;
   return min_psnr ? mean_squared_error(*min_psnr) : max_ipr;
 }
 
 ErrorTarget error_target(const OrderOptions& options) {
-  return {options.max_error, options.min_psnr};
+  return {options.max_error, options.min_psnr, options.least_frame_time};
 }
 
 }  // namespace pellucid

@@ -22,6 +22,8 @@ FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuf
     const std::span<const Fragment> list = fragments.pixel(p);
     if (list.empty()) continue;
     ++error.foreground;
+    if (pixel_is_verified(list, ranks)) continue;
+    ++error.repaired;
     // A pixel in order blends to the same colour by construction.
     if (pixel_in_order(list, ranks)) continue;
     ++error.incorrect;

@@ -14,7 +14,7 @@ constexpr double kLeastSquaredError = 1e-10;
 constexpr double kLeastBend = 0.1;
 
 double error_of(const FrontierPoint& point, const ErrorTarget& target) {
-  return target.error_of({point.ipr, point.psnr});
+  return target.error_of({point.ipr, point.psnr, point.repaired});
 }
 
 double decades(const FrontierPoint& point, const ErrorTarget& target) {
@@ -22,6 +22,10 @@ double decades(const FrontierPoint& point, const ErrorTarget& target) {
 }
 
 }  // namespace
+
+double verified_frame_time(double repaired) {
+  return 1.2 + 2 * std::sqrt(repaired);
+}
 
 void keep_best(std::vector<FrontierPoint>& points, const ErrorTarget& target) {
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -32,6 +36,10 @@ void keep_best(std::vector<FrontierPoint>& points, const ErrorTarget& target) {
     }
     points[i].meets_target = error_of(points[i], target) <= target.largest();
   }
+  if (!target.least_frame_time) return;
+  // Errors do not rise with the number, so the last one's frames are the fastest.
+  for (FrontierPoint& point : points)
+    point.meets_target = point.frame_time <= kLongerFrame * points.back().frame_time;
 }
 
 std::uint32_t chosen_limit(std::span<const FrontierPoint> points, const ErrorTarget& target) {

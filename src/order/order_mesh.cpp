@@ -59,6 +59,8 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
       refuse("distances are in bounding radii and must be greater than 1, the sphere itself");
   }
   if (!(options.max_error >= 0)) refuse("the largest error must not be negative");
+  if (options.least_frame_time && options.method != OrderMethod::budget)
+    refuse("frame times choose a number of buffers by the method budget only");
   if (options.min_psnr && !(*options.min_psnr > 0 && *options.min_psnr <= kPerfectPsnr))
     refuse("the least PSNR must be above 0 dB and at most 100 dB, which stands for no error");
   if (!(options.alpha >= 0 && options.alpha <= 1)) refuse("the opacity alpha must be 0 .. 1");
@@ -264,6 +266,7 @@ class Orderer {
   void record(const PictureError& measured) {
     result_.statistics.measured_error = measured.ipr;
     result_.statistics.measured_psnr = measured.psnr;
+    repaired_ = measured.repaired;
   }
 
   [[nodiscard]] double share_of_weight(double violated) const {
@@ -287,6 +290,8 @@ class Orderer {
     point.buffers = clustering.cluster_count();
     point.ipr = result_.statistics.measured_error;
     point.psnr = result_.statistics.measured_psnr;
+    point.repaired = repaired_;
+    point.frame_time = verified_frame_time(repaired_);
     point.violated_weight = result_.statistics.violated_weight;
     point.memory_bytes = 3 * listed * (mesh_.positions.size() <= kMostShortVertices ? 2 : 4);
     return point;
@@ -441,6 +446,7 @@ class Orderer {
   double total_weight_ = 0;
   Stopwatch total_, stage_;
   OrderResult result_;
+  double repaired_ = 0;  // PictureError::repaired of it
 };
 
 }  // namespace
@@ -500,7 +506,11 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
 OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) {
   check_options(mesh, options);
   const RunRecords records(mesh, options);
-  OrderResult result = checkpointed(records, "result", [&] { return Orderer(mesh, options, records).run(); });
+  OrderResult result = checkpointed(records, "result", [&] {
+    // Which number is the best is known once all have been tried.
+    if (options.least_frame_time) return *order_frontier(mesh, options, true).result;
+    return Orderer(mesh, options, records).run();
+  });
   records.remove_others("result");
   return result;
 }

@@ -9,22 +9,23 @@ namespace pellucid {
 namespace {
 
 // Raised whenever a step computes something else, or its record has another form, within one version.
-constexpr std::uint32_t kRecordsFormat = 2;
+constexpr std::uint32_t kRecordsFormat = 3;
 
 std::vector<std::byte> bytes_of_options(const OrderOptions& options) {
   // Every member has a name here, so that an option that is added does not compile until somebody has said
   // whether results depend on it.
   const auto& [method, partition, distances, facing, occlusion, raster_size, tolerance, alpha, max_error,
-               min_psnr, max_buffers, min_buffers, priority, fruitless_rounds, upsample_from, refine_rounds,
-               cache_size, cache_method, cache_slack, memory, seed, progress, checkpoints] = options;
+               min_psnr, least_frame_time, max_buffers, min_buffers, priority, fruitless_rounds,
+               upsample_from, refine_rounds, cache_size, cache_method, cache_slack, memory, seed, progress,
+               checkpoints] = options;
   static_cast<void>(memory);
   static_cast<void>(progress);
   static_cast<void>(checkpoints);
   RecordWriter writer;
   writer(method, partition, distances, facing, occlusion, raster_size, tolerance, alpha, max_error,
-         min_psnr.has_value(), min_psnr.value_or(0), max_buffers, min_buffers, priority, fruitless_rounds,
-         upsample_from.has_value(), upsample_from.value_or(0), refine_rounds, cache_size, cache_method,
-         cache_slack, seed);
+         min_psnr.has_value(), min_psnr.value_or(0), least_frame_time, max_buffers, min_buffers, priority,
+         fruitless_rounds, upsample_from.has_value(), upsample_from.value_or(0), refine_rounds, cache_size,
+         cache_method, cache_slack, seed);
   return writer.take();
 }
 

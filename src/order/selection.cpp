@@ -62,6 +62,16 @@ bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::ui
   return true;
 }
 
+bool pixel_is_verified(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks) {
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const std::uint32_t rank = ranks[fragments[i].node];
+    if (rank == kNoRank) return false;
+    if (i == 0) continue;
+    if (fragments[i].depth <= fragments[i - 1].depth || rank < ranks[fragments[i - 1].node]) return false;
+  }
+  return true;
+}
+
 PixelCount count_incorrect_pixels(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks) {
   PixelCount count;
   const std::uint64_t pixels = std::uint64_t{fragments.width} * fragments.height;
@@ -69,6 +79,8 @@ PixelCount count_incorrect_pixels(const FragmentBuffer& fragments, std::span<con
     const std::span<const Fragment> pixel = fragments.pixel(p);
     if (pixel.empty()) continue;
     ++count.foreground;
+    if (pixel_is_verified(pixel, ranks)) continue;
+    ++count.repaired;
     if (!pixel_in_order(pixel, ranks)) ++count.incorrect;
   }
   return count;

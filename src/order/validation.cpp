@@ -59,17 +59,20 @@ PictureError measure_picture_error(const Mesh& mesh, const BoundingSphere& spher
       frames[i] = frame_error(shaded, camera, fragments, drawn, shading);
     } else {
       const PixelCount count = count_incorrect_pixels(fragments, drawn);
-      frames[i] = {count.foreground, count.incorrect, 0};
+      frames[i] = {count.foreground, count.incorrect, count.repaired, 0};
     }
   });
   double ipr = 0;
   double psnr = 0;
+  double repaired = 0;
   for (const FrameError& frame : frames) {
     ipr += frame.ipr();
+    repaired += static_cast<double>(frame.repaired) /
+                static_cast<double>(std::max<std::uint64_t>(frame.foreground, 1));
     psnr += frame.psnr();
   }
   const auto count = static_cast<double>(frames.size());
-  return {ipr / count, pictures ? psnr / count : -1};
+  return {ipr / count, pictures ? psnr / count : -1, repaired / count};
 }
 
 }  // namespace pellucid

@@ -129,6 +129,7 @@ class Panel {
   }
 
   [[nodiscard]] std::string target() const {
+    if (report_.least_frame_time) return "";
     const double y = report_.min_psnr ? y_psnr(*report_.min_psnr) : y_ipr(report_.max_error);
     const std::string color = report_.min_psnr ? "psnr" : "ipr";
     const std::string words = report_.min_psnr ? fmt::format("target {:g} dB", *report_.min_psnr)

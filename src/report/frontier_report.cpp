@@ -15,6 +15,8 @@ Json json_of(const FrontierPoint& point) {
           {"buffers", point.buffers},
           {"ipr", point.ipr},
           {"psnr", point.psnr},
+          {"repaired", point.repaired},
+          {"frame_time", point.frame_time},
           {"violated_weight", point.violated_weight},
           {"memory_bytes", point.memory_bytes},
           {"meets_target", point.meets_target}};
@@ -48,27 +50,30 @@ std::string to_json(const FrontierReport& report) {
   for (const double distance : report.distances) distances.push_back(json_distance(distance));
   Json primitives = Json::array();
   for (const PrimitiveFrontier& primitive : report.primitives) primitives.push_back(json_of(primitive));
-  const Json json = {{"schema", kJsonSchema},
-                     {"version", library_version()},
-                     {"input", report.input},
-                     {"method", "budget"},
-                     {"views", report.views},
-                     {"distances", std::move(distances)},
-                     {"seed", report.seed},
-                     {"alpha", report.alpha > 0 ? Json(report.alpha) : Json(nullptr)},
-                     {"picture_alpha", report.picture_alpha},
-                     {"max_error", report.min_psnr ? Json(nullptr) : Json(report.max_error)},
-                     {"min_psnr", report.min_psnr ? Json(*report.min_psnr) : Json(nullptr)},
-                     {"primitives", std::move(primitives)}};
+  const Json json = {
+      {"schema", kJsonSchema},
+      {"version", library_version()},
+      {"input", report.input},
+      {"method", "budget"},
+      {"views", report.views},
+      {"distances", std::move(distances)},
+      {"seed", report.seed},
+      {"alpha", report.alpha > 0 ? Json(report.alpha) : Json(nullptr)},
+      {"picture_alpha", report.picture_alpha},
+      {"max_error", report.min_psnr || report.least_frame_time ? Json(nullptr) : Json(report.max_error)},
+      {"min_psnr", report.min_psnr ? Json(*report.min_psnr) : Json(nullptr)},
+      {"primitives", std::move(primitives)}};
   return dump(json);
 }
 
 std::string to_text(const FrontierReport& report) {
   std::string text;
   for (const PrimitiveFrontier& primitive : report.primitives) {
-    TextTable table({"buffers", "wrong pixels", "PSNR (dB)", "violated weight", "memory", ""});
+    TextTable table({"buffers", "wrong pixels", "PSNR (dB)", "repaired pixels", "verified frame",
+                     "violated weight", "memory", ""});
     for (const FrontierPoint& point : primitive.frontier.points) {
       table.add_row({std::to_string(point.limit), format_percent(point.ipr), format_fixed(point.psnr, 1),
+                     format_percent(point.repaired), format_fixed(point.frame_time, 2),
                      format_percent(point.violated_weight), format_bytes(point.memory_bytes),
                      remark_on(point, primitive.frontier)});
     }

@@ -25,15 +25,12 @@ std::string reason_to_verify(const AutomaticDemand& demand) {
   if (!demand.blends || !fits(demand, demand.verified_bytes)) return "";
   if (!demand.repaired) return "to see how many pixels the sequence of triangles draws in order";
   if (*demand.repaired > kMostRepaired) return "";
-  return fmt::format("{} of the covered pixels were out of order when last tried", percent(*demand.repaired));
+  return found_before(*demand.repaired);
 }
 
 std::string reason_to_capture_all(const AutomaticDemand& demand) {
   if (!demand.blends) return "the effect needs the fragments themselves";
-  if (demand.repaired && *demand.repaired > kMostRepaired) {
-    return fmt::format("{} of the covered pixels were out of order when last tried",
-                       percent(*demand.repaired));
-  }
+  if (demand.repaired && *demand.repaired > kMostRepaired) return found_before(*demand.repaired);
   return "checking the sequence of triangles might take " + megabytes(demand.verified_bytes);
 }
 

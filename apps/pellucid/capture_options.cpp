@@ -48,6 +48,8 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->type_name("N")
       ->capture_default_str();
   add_budget_options(command, options, picture.importance_image);
+  command.add_flag("--ignore-orders", picture.ignore_orders,
+                   "Draw triangles as they are stored, not in the sequence of the file's orders");
   command.add_flag("--cull", options.cull,
                    "Techniques that peel: do not draw again what is peeled completely");
   command.add_flag("--plain-resolve", options.plain_resolve,

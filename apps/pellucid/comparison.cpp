@@ -288,7 +288,7 @@ DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
   for (const Shot& shot : shots)
     drawn.turn.push_back(
         look_at_sphere(scene.sphere, parse_camera(shot.camera), picture.width, picture.height));
-  drawn.scene.sequence = drawing_sequence(scene, drawn.camera, {});
+  if (!picture.ignore_orders) drawn.scene.sequence = drawing_sequence(scene, drawn.camera, {});
   return drawn;
 }
 

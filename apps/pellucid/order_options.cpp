@@ -71,6 +71,8 @@ void check_options(const OrderCommandOptions& options) {
   }
   for (const std::string& path : options.frontier) check_frontier_path(path);
   if (options.order.method == OrderMethod::acyclic) check_acyclic(options);
+  if (options.order.least_frame_time && options.buffers > 0)
+    throw Error(ErrorKind::bad_argument, "--max-error auto chooses a number of buffers: not with --buffers");
   if (options.order.cache_size > 0 && options.order.cache_size < 3) {
     throw Error(ErrorKind::bad_argument,
                 "--cache: a vertex cache holds at least 3 vertices (0: leave orders alone)");
@@ -93,7 +95,7 @@ void add_method_options(CLI::App& command, OrderCommandOptions& o) {
               "--max-error", [&order](const std::string& text) { parse_max_error(text, order); },
               "Share of wrong pixels to reach; when given and missed: exit 5. auto: as few buffers as "
               "verified "
-              "blending hardly gets faster with more")
+              "verified blending hardly get faster")
           ->type_name("X|auto")
           ->default_str("0.001")
           ->group("Method");

@@ -195,8 +195,6 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->needs(animation)
       ->type_name("S")
       ->capture_default_str();
-  command->add_flag("--ignore-orders", o.capture.ignore_orders,
-                    "Draw triangles as they are stored, not in the sequence of the file's orders");
   command
       ->add_option("--maps", o.capture.maps,
                    "Write importance.png, k.png and loss.png of a technique with --memory into this folder")

@@ -39,9 +39,14 @@ TEST_F(Frontier, NeedsNoOutput) {
 }
 
 TEST_F(Frontier, ShowsEightBuffersUnlessToldOtherwise) {
-  const Finished done = order({"--frontier", file("f.json")});
+  const Finished done = order({"--frontier", file("f.json"), "--max-error", "auto"});
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_EQ(parse_json_file(file("f.json"))["primitives"][0]["points"].size(), 8U);
+  const auto json = parse_json_file(file("f.json"));
+  EXPECT_TRUE(json["max_error"].is_null());
+  const auto& points = json["primitives"][0]["points"];
+  ASSERT_EQ(points.size(), 8U);
+  const std::size_t chosen = json["primitives"][0]["chosen"];
+  EXPECT_LE(points[chosen - 1]["frame_time"], 1.05 * points[7]["frame_time"].get<double>());
   EXPECT_NE(done.out.find("wrong pixels"), std::string::npos) << done.out;
 }
 
@@ -60,6 +65,11 @@ TEST_F(Frontier, RefusesWhatItCannotWriteBeforeAnyWork) {
   EXPECT_EQ(order({"--frontier", file("missing/f.svg")}).code, 1);
   EXPECT_EQ(order({"--frontier", file("f.svg"), "--buffers", "3"}).code, 2);
   EXPECT_EQ(order({"--frontier", file("f.svg"), "--method", "acyclic"}).code, 2);
+  EXPECT_EQ(order({"--max-error", "auto", "-o", file("o.glb"), "--buffers", "3"}).code, 2);
+  EXPECT_EQ(order({"--max-error", "auto", "-o", file("o.glb"), "--method", "acyclic"}).code, 2);
+  for (const char* wrong : {"", "2", "-0.1", "0.1x", "nan"}) {
+    EXPECT_EQ(order({"--max-error", wrong, "-o", file("o.glb")}).code, 2) << wrong;
+  }
 }
 
 TEST_F(Frontier, AMissedTargetIsFive) {

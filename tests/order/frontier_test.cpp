@@ -53,6 +53,29 @@ TEST(Frontier, ChoosesTheFewestThatMeetTheTarget) {
   EXPECT_EQ(chosen_limit(points, {0, {}}), 3U);
 }
 
+TEST(Frontier, FrameTimesChooseTheFewestThatAreHardlySlower) {
+  ErrorTarget target;
+  target.least_frame_time = true;
+  std::vector<FrontierPoint> points = points_of({0.1, 0.01, 0.001, 0.0005, 0.0004});
+  const std::vector<double> repaired{0.2, 0.02, 0.005, 0.0001, 0.0001};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].repaired = repaired[i];
+    points[i].frame_time = verified_frame_time(repaired[i]);
+  }
+  keep_best(points, target);
+  EXPECT_EQ(chosen_limit(points, target), 4U);
+  EXPECT_FALSE(points[2].meets_target);
+  EXPECT_TRUE(points[3].meets_target);
+  EXPECT_EQ(points[4].request, 4U);  // no better
+}
+
+TEST(Frontier, FrameTimesGrowWithWhatIsRepaired) {
+  EXPECT_GT(verified_frame_time(0), 1);
+  for (const double share : {0.0, 0.001, 0.1, 0.5}) {
+    EXPECT_LT(verified_frame_time(share), verified_frame_time(share + 0.1));
+  }
+}
+
 TEST(Frontier, TheKneeIsWhereTheCurveBends) {
   const ErrorTarget target{};
   EXPECT_EQ(knee_limit(points_of({0.1, 0.01, 0.001, 0.0009, 0.0008, 0.0007}), target), 3U);
@@ -60,6 +83,25 @@ TEST(Frontier, TheKneeIsWhereTheCurveBends) {
   EXPECT_EQ(knee_limit(points_of({0.1, 0.09, 0.08, 0.0001}), target), 0U);   // bends the other way
   EXPECT_EQ(knee_limit(points_of({0.1, 0, 0}), target), 2U);
   EXPECT_EQ(knee_limit(points_of({0.1}), target), 0U);
+}
+
+OrderOptions frontier_options();
+
+TEST(Frontier, FrameTimesGiveTheOrdersOfTheChosenNumber) {
+  const Mesh mesh = testing::sample_mesh("torus-knot", 0.1, 200);
+  OrderOptions options = frontier_options();
+  options.max_buffers = 3;
+  options.least_frame_time = true;
+  const OrderFrontier frontier = order_frontier(mesh, options, true);
+  const OrderResult result = order_mesh(mesh, options);
+  EXPECT_EQ(result.orders.orders, frontier.result->orders.orders);
+  EXPECT_EQ(result.orders.orders.size(), frontier.points[frontier.chosen - 1].buffers);
+  for (const FrontierPoint& point : frontier.points) {
+    EXPECT_GE(point.repaired, point.ipr);
+    EXPECT_EQ(point.frame_time, verified_frame_time(point.repaired));
+  }
+  options.method = OrderMethod::acyclic;
+  EXPECT_THROW(order_mesh(mesh, options), Error);
 }
 
 OrderOptions frontier_options() {

@@ -1,6 +1,7 @@
 // What a renderer does with an order set: selection, pixels in order, index buffers.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "order_helpers.h"
@@ -133,6 +134,25 @@ TEST(PixelInOrder, IsThePairwiseRule) {
   EXPECT_LT(right, 18000);
 }
 
+// What is verified is in order; what is in order and has no two fragments near each other is verified.
+TEST(PixelIsVerified, AsksForAscendingDepthsAndRanks) {
+  const Ranks ranks{0, 1, 2, kNoRank};
+  const auto verified = [&](const std::vector<Fragment>& fragments) {
+    const bool is = pixel_is_verified(fragments, ranks);
+    EXPECT_TRUE(!is || pixel_in_order(fragments, ranks));
+    return is;
+  };
+  EXPECT_TRUE(verified({}));
+  EXPECT_TRUE(verified({{0.4F, 2}}));
+  EXPECT_FALSE(verified({{0.4F, 3}}));
+  EXPECT_TRUE(verified({{0.4F, 0}, {0.5F, 1}, {0.6F, 2}}));
+  EXPECT_FALSE(verified({{0.4F, 0}, {0.5F, 2}, {0.6F, 1}}));
+  EXPECT_FALSE(verified({{0.4F, 0}, {0.4F, 1}}));  // coplanar
+  const float next = std::nextafter(0.4F, 1.0F);
+  EXPECT_TRUE(verified({{0.4F, 0}, {next, 1}}));
+  EXPECT_FALSE(verified({{0.4F, 1}, {next, 0}}));
+}
+
 TEST(CountIncorrectPixels, CountsForegroundOnly) {
   FragmentBuffer buffer;
   buffer.width = 4;
@@ -142,6 +162,7 @@ TEST(CountIncorrectPixels, CountsForegroundOnly) {
   const PixelCount count = count_incorrect_pixels(buffer, Ranks{0, 1});
   EXPECT_EQ(count.foreground, 3U);
   EXPECT_EQ(count.incorrect, 1U);
+  EXPECT_EQ(count.repaired, 1U);
 }
 
 TEST(RanksOf, MarksMissingNodes) {

@@ -42,7 +42,8 @@ inline MethodReport method(const std::string& name, MethodKind kind, double ipr)
   report.quality.psnr_min = 40;
   report.quality.by_distance = {{3.5, ipr, 50}, {5, ipr, 50}};
   for (int i = 0; i < 12; ++i)
-    report.quality.frames.push_back({1000, static_cast<std::uint64_t>(1000 * ipr), 0.1});
+    report.quality.frames.push_back(
+        {.foreground = 1000, .incorrect = static_cast<std::uint64_t>(1000 * ipr), .squared_error = 0.1});
   return report;
 }
 

@@ -180,9 +180,9 @@ struct RenderOptions {
   // `overflow`.
   std::uint64_t pool = 0;
   Overflow overflow = Overflow::nearest;
-  // Bytes of buffers of techniques that keep to a budget. 0: `multikb` takes as many as it needs, those with
-  // a tail 32 a pixel (pellucid/budget.h). `multikb` cuts pictures into bands where that is too little for
-  // what is kept of every pixel; those with a tail keep to it in each band.
+  // Bytes of buffers of techniques that keep to a budget. 0: `bounded` takes 64 a pixel, `multikb` as many as
+  // it needs, those with a tail 32 a pixel (pellucid/budget.h). Both of the former cut pictures into bands
+  // where that is too little for what is kept of every pixel; those with a tail keep to it in each band.
   std::uint64_t memory = 0;
   Allocation allocation = Allocation::water;  // of `variable-k`, and what it goes by
   ImportanceOptions importance{};

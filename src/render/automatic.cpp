@@ -49,7 +49,7 @@ AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
                     ", and what keeps to less memory needs 64-bit atomics, which the device has not");
   }
   if (demand.overflow == Overflow::exact || !demand.blends)
-    return {"multikb", reason + ": the nearest ones, round after round"};
+    return {"bounded", reason + ": the nearest ones, round after round"};
   return {"variable-k", reason + ": those that matter most, the rest averaged"};
 }
 
@@ -78,7 +78,7 @@ TechniqueEntry automatic() {
   return {
       {.name = "auto",
        .title =
-           "for every frame the one that suits it: verified, ll, sb, or within --memory multikb, variable-k",
+           "for every frame the one that suits it: verified, ll, sb, or within --memory variable-k, bounded",
        .paper = "",
        .captures = "all; within --memory, as many as fit",
        .passes_formula = "of the chosen one",

@@ -59,7 +59,7 @@ TEST(AutomaticChoice, TakesTheFirstThatFits) {
   EXPECT_EQ(chosen_for(demand_for(39)), "variable-k");
   AutomaticDemand exact = demand_for(39);
   exact.overflow = Overflow::exact;
-  EXPECT_EQ(chosen_for(exact), "multikb");
+  EXPECT_EQ(chosen_for(exact), "bounded");
 }
 
 TEST(AutomaticChoice, KeepsFragmentsForEffectsThatNeedThem) {
@@ -67,7 +67,7 @@ TEST(AutomaticChoice, KeepsFragmentsForEffectsThatNeedThem) {
   demand.blends = false;
   EXPECT_EQ(chosen_for(demand), "ll");
   demand.memory = 39;
-  EXPECT_EQ(chosen_for(demand), "multikb");
+  EXPECT_EQ(chosen_for(demand), "bounded");
 }
 
 TEST(AutomaticChoice, SaysWhatASmallBudgetNeeds) {
@@ -174,7 +174,7 @@ TEST(Automatic, IsExactInABudgetWhereThatIsAskedFor) {
   const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
   const RenderResult result =
       renderer.draw(camera, {.technique = "auto", .overflow = Overflow::exact, .memory = 120'000});
-  EXPECT_THAT(result.stats.chosen, HasSubstr("multikb"));
+  EXPECT_THAT(result.stats.chosen, HasSubstr("bounded"));
   EXPECT_LE(result.stats.bytes, 120'000U);
   EXPECT_EQ(result.stats.captured, exact.stats.captured);
   EXPECT_LE(largest_difference(exact, result), kFoldRounding);

@@ -117,7 +117,7 @@ TEST_F(BoundedMemory, BudgetInBytesIsKept) {
   for (const std::uint64_t memory :
        {44ULL * 24 * 4 + 500, 44ULL * 24 * 24 + 3000, 44ULL * 24 * 24 + 100000}) {
     const RenderResult result =
-        draw(scene, {.technique = "multikb", .memory = memory, .keep_fragments = true});
+        draw(scene, {.technique = "bounded", .memory = memory, .keep_fragments = true});
     expect_all(result, all, std::to_string(memory));
     expect_same_picture(result, expected, 1e-4F, std::to_string(memory));
     EXPECT_LE(result.stats.bytes, memory);

@@ -13,6 +13,7 @@ TechniqueEntry s_buffer();
 TechniqueEntry fixed_arrays();
 TechniqueEntry k_buffer();
 TechniqueEntry multi_k_buffer();
+TechniqueEntry bounded();
 TechniqueEntry stencil_routing();
 TechniqueEntry uniform_buckets();
 TechniqueEntry adaptive_buckets();

@@ -21,7 +21,12 @@ constexpr std::uint64_t kTailBytes = 20;  // of a pixel: shaders/capture/tail.gl
 // Insertion costs what a share has places; beyond this, another round is cheaper.
 constexpr std::uint32_t kMostPlaces = 64;
 
-enum class Budget { options, pool };
+// Of `bounded`, where no budget is given: of a pixel.
+constexpr std::uint64_t kBoundedBytes = 64;
+
+// What says how many places there are: RenderOptions::k, unless there is a memory; memory, or kBoundedBytes;
+// pool.
+enum class Budget { k, memory, pool };
 
 class NearestRounds final : public Technique {
  public:
@@ -87,14 +92,17 @@ class NearestRounds final : public Technique {
  private:
   [[nodiscard]] bool loses() const { return overflow_ == Overflow::nearest; }
   [[nodiscard]] bool given_k(const Frame& frame) const {
-    return budget_ == Budget::options && frame.options.memory == 0;
+    return budget_ == Budget::k && frame.options.memory == 0;
+  }
+  [[nodiscard]] static std::uint64_t memory(const Frame& frame) {
+    return frame.options.memory != 0 ? frame.options.memory : kBoundedBytes * frame.pixels();
   }
   // Of the pool.
   [[nodiscard]] std::uint64_t places(const Frame& frame) const {
     if (budget_ == Budget::pool) return frame.capacity();
     if (given_k(frame)) return frame.options.k * frame.pixels();
     const std::uint64_t fixed = kPixelBytes * frame.pixels() + 4;
-    return frame.options.memory > fixed ? (frame.options.memory - fixed) / kPlaceBytes : 0;
+    return memory(frame) > fixed ? (memory(frame) - fixed) / kPlaceBytes : 0;
   }
   // A sum of absorptions up to 16 each has to fit into a word.
   [[nodiscard]] static std::uint32_t tail_unit(const Frame& frame) {
@@ -125,8 +133,21 @@ TechniqueEntry multi_k_buffer() {
        .bytes_formula = "12 min(N, K) + 44",
        .budgeted = true,
        .needs_atomics64 = true},
+      [] { return std::unique_ptr<Technique>(std::make_unique<NearestRounds>(Budget::k, Overflow::exact)); }};
+}
+
+TechniqueEntry bounded() {
+  return {
+      {.name = "bounded",
+       .title = "the nearest fragments a round, as many as --memory holds, until all are there",
+       .paper = "",
+       .captures = "all",
+       .passes_formula = "1 + 2 ceil(12 N / (bytes - 44))",
+       .bytes_formula = "64, or --memory",
+       .budgeted = true,
+       .needs_atomics64 = true},
       [] {
-        return std::unique_ptr<Technique>(std::make_unique<NearestRounds>(Budget::options, Overflow::exact));
+        return std::unique_ptr<Technique>(std::make_unique<NearestRounds>(Budget::memory, Overflow::exact));
       }};
 }
 

@@ -23,6 +23,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
       dual_fab(),
       k_buffer(),
       multi_k_buffer(),
+      bounded(),
       stencil_routing(),
       uniform_buckets(),
       bucketed_lists(),

@@ -10,8 +10,15 @@ set(PELLUCID_SHADERS
   "budget/scan_groups.comp|budget/scan_groups.comp|"
   "budget/places.comp|budget/places.comp|"
   "budget/keys.frag|budget/keys.frag|"
+  "budget/depths.frag|budget/depths.frag|"
+  "budget/ids.frag|budget/ids.frag|"
+  "budget/max_first.frag|budget/max_first.frag|"
+  "budget/max_first_interlock.frag|budget/max_first.frag|INTERLOCK"
+  "budget/sort_slots.comp|budget/sort_slots.comp|"
   "budget/colors.frag|budget/colors.frag|"
+  "budget/colors_halves.frag|budget/colors.frag|HALVES"
   "budget/resolve.comp|budget/resolve.comp|"
+  "budget/resolve_layers.comp|budget/resolve.comp|LAYERS"
   "budget/resolve_measure.comp|budget/resolve.comp|MEASURE"
   "budget/blocks.frag|budget/blocks.frag|"
   "budget/blocks.comp|budget/blocks.comp|"
@@ -79,6 +86,7 @@ foreach(storage pairs lists arrays chains)
 endforeach()
 foreach(attachments RANGE 1 8)
   list(APPEND PELLUCID_SHADERS
+    "budget/ordered_core_${attachments}.frag|budget/ordered_core.frag|ATTACHMENTS=${attachments}"
     "capture/ordered_slots_${attachments}.frag|capture/ordered_slots.frag|ATTACHMENTS=${attachments}")
 endforeach()
 foreach(attachments RANGE 3 8)

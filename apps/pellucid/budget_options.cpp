@@ -90,8 +90,15 @@ void add_budget_options(CLI::App& command, RenderOptions& options, std::string& 
         ->type_name(type);
   };
   add("--memory", "BYTES",
-      "Bytes that fixed-k, k-plus and variable-k may take: 35MB, 20MiB (default 32 a pixel)",
+      "Bytes that fixed-k, hybrid, k-plus and variable-k may take: 35MB, 20MiB (default 32 a pixel; hybrid: "
+      "what --k takes)",
       [&](const std::string& text) { options.memory = parse_bytes("--memory", text); });
+  command
+      .add_option("--heap-from", options.heap_from,
+                  "k-plus and variable-k by interlock or spinlock: slots from which a pixel has a heap")
+      ->check(CLI::Range(1, 1000000))
+      ->type_name("N")
+      ->capture_default_str();
   add_choice(command, "--allocation", options.allocation,
              {{"water", Allocation::water}, {"printed", Allocation::printed}},
              "variable-k: give out all of it (default), or as printed in the paper");
@@ -147,7 +154,7 @@ void check_maps(const std::string& technique) {
   const auto techniques = render_techniques();
   if (std::none_of(techniques.begin(), techniques.end(),
                    [&](const TechniqueInfo& t) { return t.name == technique && t.keeps_tail; })) {
-    throw Error(ErrorKind::bad_argument, "--maps: of --technique fixed-k, k-plus or variable-k only");
+    throw Error(ErrorKind::bad_argument, "--maps: of --technique fixed-k, hybrid, k-plus or variable-k only");
   }
 }
 

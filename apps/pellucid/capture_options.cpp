@@ -28,7 +28,8 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
       ->type_name("N")
       ->capture_default_str();
   add_choice(command, "--sync", options.sync, sync_names(),
-             "How kb keeps fragments of a pixel apart (default automatic; see pellucid techniques)");
+             "How kb and techniques with a budget keep fragments of a pixel apart (default automatic; see "
+             "pellucid techniques)");
   command
       .add_option("--pool", options.pool,
                   "Nodes of techniques that store in a pool; 0: as many as are needed")
@@ -60,10 +61,9 @@ void add_capture_options(CLI::App& command, CapturePicture& picture) {
 }
 
 std::vector<std::pair<std::string, Sync>> sync_names() {
-  return {{"automatic", Sync::automatic},
-          {"ordered", Sync::ordered},
-          {"interlock", Sync::interlock},
-          {"atomics", Sync::atomics}};
+  std::vector<std::pair<std::string, Sync>> names{{"automatic", Sync::automatic}};
+  for (const NamedSync& way : sync_ways()) names.emplace_back(way.name, way.sync);
+  return names;
 }
 
 TechniqueInfo cpu_technique() {

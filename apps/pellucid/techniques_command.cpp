@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +15,17 @@
 
 namespace pellucid::cli {
 namespace {
+
+// Those that a technique has, the preferred first.
+nlohmann::ordered_json ways_of(const TechniqueInfo& t) {
+  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+  const auto ways = sync_ways();
+  for (const Sync sync : t.syncs) {
+    names.push_back(
+        std::find_if(ways.begin(), ways.end(), [&](const NamedSync& way) { return way.sync == sync; })->name);
+  }
+  return names;
+}
 
 nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missing) {
   nlohmann::ordered_json lacks = nlohmann::ordered_json::array();
@@ -31,18 +43,15 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"blends_only", t.blends_only},
           {"budgeted", t.budgeted},
           {"keeps_tail", t.keeps_tail},
+          {"sync", ways_of(t)},
           {"msaa", {1, 4}}};
 }
 
 // Ways of --sync that the device has.
 std::vector<std::string> ways_to_synchronise(const DeviceInfo& device) {
   std::vector<std::string> names;
-  for (const auto& [name, sync] : sync_names()) {
-    const bool there = sync == Sync::ordered     ? device.ordered_attachments > 0
-                       : sync == Sync::interlock ? device.interlock
-                                                 : sync == Sync::atomics && device.atomics64;
-    if (there) names.push_back(name);
-  }
+  for (const NamedSync& way : sync_ways())
+    if (missing_for(way.sync, device).empty()) names.push_back(way.name);
   return names;
 }
 

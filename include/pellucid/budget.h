@@ -1,9 +1,9 @@
 // pellucid/budget.h - room `render`: what capture techniques with a budget of bytes do with it.
 //
-// `fixed-k`, `k-plus` and `variable-k` keep the nearest fragments of every pixel in RenderOptions::memory
-// bytes, all their buffers included, and fold what found no place into one translucent layer behind them, the
-// tail. A slot is 8 bytes: a fragment, or a tail. Paper: Vasilakis, Vardis, Papaioannou, Moustakas, "Variable
-// k-buffer using Importance Maps", Eurographics 2017.
+// `fixed-k`, `hybrid`, `k-plus` and `variable-k` keep the nearest fragments of every pixel in
+// RenderOptions::memory bytes, all their buffers included, and fold what found no place into one translucent
+// layer behind them, the tail. A slot is 8 bytes: a fragment, or a tail. Paper: Vasilakis, Vardis,
+// Papaioannou, Moustakas, "Variable k-buffer using Importance Maps", Eurographics 2017.
 #pragma once
 
 #include <cstdint>

@@ -131,14 +131,24 @@ enum class Overflow {
 };
 
 // How fragments of a pixel that are shaded at the same time keep out of each other's way, in techniques with
-// TechniqueInfo::synchronised; what is captured is the same.
+// TechniqueInfo::syncs; what is captured is the same, of techniques with a budget as long as k is.
 enum class Sync {
-  automatic,  // ordered, else interlock, else atomics: the first that fits k
+  automatic,  // the first of TechniqueInfo::syncs that the device has; for `kb`, that fits k, too
   atomics,    // chains of 64-bit minima: any k, two geometry passes
   ordered,    // attachments that are read back in the sequence of drawing; k and memory are limited by their
               // number
-  interlock   // critical sections: any k, one geometry pass
+  interlock,  // critical sections: any k
+  atomics32,  // chains of 32-bit minima, of depths and then of ids, which every device has
+  spinlock    // critical sections behind a word that is tried RenderOptions::lock_turns times
 };
+struct NamedSync {
+  Sync sync;
+  std::string name;
+};
+// All but `automatic`, the fastest first where only fragments are inserted.
+std::span<const NamedSync> sync_ways();
+// What `device` lacks for it; empty: nothing.
+std::string missing_for(Sync sync, const DeviceInfo& device);
 
 struct TechniqueInfo {
   std::string name;            // "f2b-2p"
@@ -150,9 +160,10 @@ struct TechniqueInfo {
   std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
   std::string bytes_formula;   // of a pixel
   bool can_cull = false;       // RenderOptions::cull
-  bool synchronised = false;   // RenderOptions::sync; else atomics, where they are needed
-  bool pooled = false;         // RenderOptions::overflow
-  bool budgeted = false;       // RenderOptions::memory
+  // What RenderOptions::sync may be, the preferred first; none: no choice, atomics where they are needed.
+  std::vector<Sync> syncs{};
+  bool pooled = false;    // RenderOptions::overflow
+  bool budgeted = false;  // RenderOptions::memory
   // What does not fit is averaged behind what is kept: for transparency and wireframe.
   bool keeps_tail = false;
   bool blends_only = false;  // delivers no fragments: for transparency and wireframe, without keep_fragments
@@ -172,6 +183,11 @@ struct RenderOptions {
   Vec3f edge_color{0.02F, 0.02F, 0.03F};
   std::uint32_t k = 8;  // fragments, or buckets, of techniques with a fixed number of them; 1 .. 64
   Sync sync = Sync::automatic;
+  // Of `k-plus` and `variable-k` in critical sections: pixels with as many slots or more hold them as a heap,
+  // others as an array. 16 in the paper.
+  std::uint32_t heap_from = 16;
+  // Of Sync::spinlock: how often a fragment tries. Then it goes to the tail, and is counted as overflowed.
+  std::uint32_t lock_turns = 1024;
   // 1, or 4 at Vulkan's standard places: each sample is a pixel of its own until the picture is averaged,
   // shading, depth and fragments included, so that edges are right where surfaces intersect and coincide,
   // too. Triangles are drawn once for each.
@@ -181,7 +197,8 @@ struct RenderOptions {
   std::uint64_t pool = 0;
   Overflow overflow = Overflow::nearest;
   // Bytes of buffers of techniques that keep to a budget. 0: `bounded` takes 64 a pixel, `multikb` as many as
-  // it needs, those with a tail 32 a pixel (pellucid/budget.h). Both of the former cut pictures into bands
+  // it needs, `hybrid` as many as hold k, others with a tail 32 a pixel (pellucid/budget.h). `bounded` and
+  // `multikb` cut pictures into bands
   // where that is too little for what is kept of every pixel; those with a tail keep to it in each band.
   std::uint64_t memory = 0;
   Allocation allocation = Allocation::water;  // of `variable-k`, and what it goes by

@@ -2,7 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../interface/frame.glsl"
 #include "../interface/fragment_input.glsl"
+#include "../interface/keys.glsl"
 #include "places.glsl"
+layout(std430, set = 0, binding = SLOT_A) buffer Pool { uint64_t pool[]; };
 // The nearest fragments of a pixel, as many as it has slots for: a chain of 64-bit minima (capture/nearest_keys.frag).
 // A slot only ever gets smaller, and in the end they increase: a key may start behind any one that is smaller already.
 void main() {

@@ -19,6 +19,12 @@ vec4 tail_share(uint color) {
   return vec4(0.5 * c.rgb, 1.0) * optical_depth(c.a);
 }
 
+// The same weighted by opacity, as in the paper.
+vec4 opacity_share(uint color) {
+  const vec4 c = unpack_color(color);
+  return vec4(0.5 * c.rgb, 1.0) * c.a;
+}
+
 // Multiples of 1/32 below 1.
 float tail_rounding(uint pixel, uint id) {
   uint x = id * 0x9E3779B1u ^ pixel * 0x85EBCA77u;
@@ -38,10 +44,11 @@ uvec4 tail_units(vec4 share, float scale, float rounding) {
   return uvec4(floor(share * scale + (scale * kMostDepth >= 2.0 ? rounding : 0.0)));
 }
 
-// Premultiplied colour and transmittance of a layer.
-vec4 tail_layer(vec4 sums, float scale) {
-  if (sums.w == 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
-  const float transmittance = exp2(-sums.w / scale);
-  return vec4((1.0 - transmittance) * 2.0 * sums.rgb / sums.w, transmittance);
+// Premultiplied colour and transmittance of a layer, from sums of weighted colours, of weights, and of optical depths.
+vec4 layer_of_sums(vec3 color, float weight, float depth) {
+  const float transmittance = exp2(-depth);
+  return vec4((1.0 - transmittance) * 2.0 * color / max(weight, 1.0), transmittance);
 }
+// Where optical depths are the weights.
+vec4 tail_layer(vec4 sums, float scale) { return layer_of_sums(sums.rgb, sums.w, sums.w / scale); }
 #endif

@@ -4,6 +4,7 @@
 // all. Five sums in a word: red, green, blue and weight of 13 bits, optical depth of 12.
 #ifndef WEIGHTED_TAIL_GLSL
 #define WEIGHTED_TAIL_GLSL
+#include "fields.glsl"
 #include "tail.glsl"
 const uint kWeightBits = 13u;
 const uint kDepthBits = 12u;
@@ -28,20 +29,18 @@ float light_in_tail(float z, float last, uint code) {
   return exp2(-min(kShareOfBound * bound_of(code) * share, kMostExponent));
 }
 
-uint64_t weighted_units(vec4 share, float light, uint code, float rounding) {
+uvec2 weighted_units(vec4 share, float light, uint code, float rounding) {
   const float bound = bound_of(code);
   const uvec4 units = uvec4(floor(light * share * (exp2(float(kWeightBits)) / bound) + rounding));
   const uint depth = uint(floor(share.w * (exp2(float(kDepthBits)) / bound) + rounding));
-  return uint64_t(units.x) | (uint64_t(units.y) << 13) | (uint64_t(units.z) << 26) | (uint64_t(units.w) << 39) |
-         (uint64_t(depth) << 52);
+  return in_field(units.x, 0u) | in_field(units.y, 13u) | in_field(units.z, 26u) | in_field(units.w, 39u) |
+         in_field(depth, 52u);
 }
 
 // Premultiplied colour and transmittance of a layer. `sums`: of weighted_units().
-vec4 weighted_layer(uint64_t sums, uint code) {
-  const uint kMask = (1u << kWeightBits) - 1u;
-  const vec3 color = vec3(uint(sums) & kMask, uint(sums >> 13) & kMask, uint(sums >> 26) & kMask);
-  const float weight = float(uint(sums >> 39) & kMask);
-  const float transmittance = exp2(-float(uint(sums >> 52)) * bound_of(code) / exp2(float(kDepthBits)));
-  return vec4((1.0 - transmittance) * 2.0 * color / max(weight, 1.0), transmittance);
+vec4 weighted_layer(uvec2 sums, uint code) {
+  const vec3 color = vec3(field_of(sums, 0u, 13u), field_of(sums, 13u, 13u), field_of(sums, 26u, 13u));
+  const float depth = float(field_of(sums, 52u, 12u)) * bound_of(code) / exp2(float(kDepthBits));
+  return layer_of_sums(color, float(field_of(sums, 39u, 13u)), depth);
 }
 #endif

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "effects.h"
 #include "importance_terms.h"
 
@@ -18,8 +20,10 @@ std::span<const TechniqueInfo> render_techniques() {
 }
 
 std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device) {
-  const bool in_order = technique.synchronised && (device.ordered_attachments > 0 || device.interlock);
-  if (technique.needs_atomics64 && !device.atomics64 && !in_order) return "64-bit atomics on buffers";
+  if (technique.needs_atomics64 && !device.atomics64) return "64-bit atomics on buffers";
+  const auto is_there = [&](Sync sync) { return missing_for(sync, device).empty(); };
+  if (!technique.syncs.empty() && std::none_of(technique.syncs.begin(), technique.syncs.end(), is_there))
+    return missing_for(technique.syncs.back(), device);
   if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
   if (technique.needs_ordered > device.ordered_attachments) {
     return fmt::format(

@@ -55,8 +55,7 @@ Buffer Frame::make_buffer(const std::string& name, std::uint64_t bytes) {
 }
 
 Image Frame::make_image(const std::string& name, VkFormat format, std::uint32_t layers, ImageUse use) {
-  Image image(context, name,
-              {.format = format, .width = width, .height = height, .layers = layers, .use = use});
+  Image image(context, name, image_spec(format, layers, use));
   technique_bytes += image.bytes();
   return image;
 }

@@ -87,6 +87,9 @@ struct Frame {
   Buffer make_buffer(const std::string& name, std::uint64_t bytes);
   Image make_image(const std::string& name, VkFormat format, std::uint32_t layers = 1,
                    ImageUse use = ImageUse::attachment);
+  [[nodiscard]] ImageSpec image_spec(VkFormat format, std::uint32_t layers, ImageUse use) const {
+    return {.format = format, .width = width, .height = height, .layers = layers, .use = use};
+  }
 
   // A geometry pass without attachments, and one with.
   void gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const;

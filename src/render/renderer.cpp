@@ -416,13 +416,15 @@ bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& ba
       render::choose_technique(render::automatic_demand(counted.frame, history));
   RenderOptions named = job.options;
   named.technique = choice.technique;
-  const Job chosen{job.camera, job.options, render::find_technique(named, context.info()), job.effect,
-                   job.progress};
+  Job chosen{job.camera, job.options, render::find_technique(named, context.info()), job.effect,
+             job.progress};
   render::check_technique(chosen.technique.info, job.options, context.info());
+  chosen.sync = render::choose_sync(chosen.technique.info, job.options, context.info());
+  counted.frame.sync = chosen.sync;
   const std::uint64_t repaired_before = result.stats.repaired_pixels;
   if (!capture_band(chosen, band, counted, result)) return false;
   // Fragments are counted to choose, where there is a budget; else those of the last frame would do.
-  if (job.options.memory != 0 && !chosen.technique.make()->needs_counts()) {
+  if (job.options.memory != 0 && !chosen.technique.make()->needs_counts(counted.frame)) {
     result.stats.milliseconds += counted.counting.milliseconds;
     result.stats.geometry_passes += counted.counting.geometry_passes;
   }
@@ -457,7 +459,7 @@ bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Co
   result.stats.pool_exceeded = result.stats.pool_exceeded || pool_exceeded;
   result.stats.milliseconds += counted.opaque.milliseconds;
   result.stats.geometry_passes += counted.opaque.geometry_passes;
-  if (technique->needs_counts()) {
+  if (technique->needs_counts(frame)) {
     result.stats.milliseconds += counted.counting.milliseconds;
     result.stats.geometry_passes += counted.counting.geometry_passes;
   }

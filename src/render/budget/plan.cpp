@@ -10,21 +10,21 @@
 namespace pellucid::render {
 namespace {
 
-constexpr std::uint64_t kTailBytes = 16;  // of a block
+constexpr std::uint64_t kBlockTailBytes = 16;  // of a block
 constexpr std::uint64_t kLeastBuffer = 16;
 
 std::uint64_t tail_bytes(const BudgetDemand& demand, std::uint64_t side) {
-  return kTailBytes * ((demand.width + side - 1) / side) * ((demand.height + side - 1) / side);
+  return kBlockTailBytes * ((demand.width + side - 1) / side) * ((demand.height + side - 1) / side);
 }
 
 }  // namespace
 
-std::uint64_t uniform_slots(const BudgetDemand& demand) {
+std::uint64_t uniform_slots(const BudgetDemand& demand, std::uint64_t tail_slots) {
   const std::uint64_t bytes = std::min(demand.bytes, demand.most_buffer_bytes);
-  const std::uint64_t needed = std::max<std::uint64_t>(demand.deepest, 1) + 1;  // the last is for the tail
+  const std::uint64_t needed = std::max<std::uint64_t>(demand.deepest, 1) + tail_slots;
   const std::uint64_t most = std::min(bytes, kSlotBytes * kMostSlots);
   const std::uint64_t slots = std::min(most / (kSlotBytes * demand.pixels()), needed);
-  return slots * kSlotBytes * demand.pixels() < kLeastBuffer ? 0 : slots;
+  return slots < tail_slots || slots * kSlotBytes * demand.pixels() < kLeastBuffer ? 0 : slots;
 }
 
 MappedPlan plan_mapped(const BudgetDemand& demand, std::uint64_t survey_words, std::uint64_t other_bytes) {
@@ -41,10 +41,10 @@ MappedPlan plan_mapped(const BudgetDemand& demand, std::uint64_t survey_words, s
 }
 
 BlockPlan plan_blocks(const BudgetDemand& demand) {
-  if (demand.bytes < kTailBytes) {
-    throw Error(
-        ErrorKind::bad_argument,
-        fmt::format("--memory: {} bytes are not even one tail, which takes {}", demand.bytes, kTailBytes));
+  if (demand.bytes < kBlockTailBytes) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("--memory: {} bytes are not even one tail, which takes {}", demand.bytes,
+                            kBlockTailBytes));
   }
   BlockPlan plan;
   const auto side_of = [&](std::uint64_t bytes) {
@@ -56,7 +56,7 @@ BlockPlan plan_blocks(const BudgetDemand& demand) {
   // of its own.
   constexpr std::uint32_t kMostMaskedSide = 64;
   const std::uint64_t mask = std::max((demand.pixels() + 31) / 32 * 4, kLeastBuffer);
-  if (mask + kTailBytes <= demand.bytes && side_of(demand.bytes - mask) <= kMostMaskedSide)
+  if (mask + kBlockTailBytes <= demand.bytes && side_of(demand.bytes - mask) <= kMostMaskedSide)
     plan.mask_bytes = mask;
   plan.side = side_of(demand.bytes - plan.mask_bytes);
   plan.tail_bytes = tail_bytes(demand, plan.side);

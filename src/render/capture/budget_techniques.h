@@ -6,6 +6,7 @@
 namespace pellucid::render {
 
 TechniqueEntry fixed_k();
+TechniqueEntry hybrid();
 TechniqueEntry k_plus();
 TechniqueEntry variable_k();
 

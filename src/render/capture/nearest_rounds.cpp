@@ -32,7 +32,7 @@ class NearestRounds final : public Technique {
  public:
   NearestRounds(Budget budget, Overflow overflow) : budget_(budget), overflow_(overflow) {}
 
-  [[nodiscard]] bool needs_counts() const override { return true; }
+  [[nodiscard]] bool needs_counts(const Frame& /*frame*/) const override { return true; }
   [[nodiscard]] std::uint64_t least_bytes(const Frame& frame) const override {
     return budget_ == Budget::pool ? 0 : kPixelBytes * frame.pixels() + 4 + kLeastPoolBytes;
   }

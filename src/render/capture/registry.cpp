@@ -32,6 +32,7 @@ const std::vector<TechniqueEntry>& technique_entries() {
       linked_lists(),
       s_buffer(),
       fixed_k(),
+      hybrid(),
       k_plus(),
       variable_k(),
       plain_blend(),

@@ -17,7 +17,7 @@ class Technique {
   virtual ~Technique() = default;
 
   // Does it read Frame::counts? The pass that counts is one of its passes then.
-  [[nodiscard]] virtual bool needs_counts() const { return false; }
+  [[nodiscard]] virtual bool needs_counts(const Frame& /*frame*/) const { return false; }
   // Of those that keep to RenderOptions::memory: what they need for a picture at least. Where that is more,
   // the picture is cut into bands.
   [[nodiscard]] virtual std::uint64_t least_bytes(const Frame& /*frame*/) const { return 0; }

@@ -45,6 +45,23 @@ OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRe
   return {context.device(), memory};
 }
 
+VkImageCreateInfo image_info(const ImageSpec& spec) {
+  const VkImageUsageFlags attachment =
+      spec.depth() ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  const VkImageUsageFlags read_back = spec.use == ImageUse::read_back
+                                          ? VkImageUsageFlags{VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT}
+                                          : VkImageUsageFlags{0};
+  return {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+          .imageType = VK_IMAGE_TYPE_2D,
+          .format = spec.format,
+          .extent = {spec.width, spec.height, 1},
+          .mipLevels = 1,
+          .arrayLayers = spec.layers,
+          .samples = VK_SAMPLE_COUNT_1_BIT,
+          .tiling = VK_IMAGE_TILING_OPTIMAL,
+          .usage = attachment | VK_IMAGE_USAGE_SAMPLED_BIT | read_back};
+}
+
 }  // namespace
 
 Buffer::Buffer(Context& context, const std::string& name, std::uint64_t bytes, MemoryKind kind)
@@ -112,21 +129,17 @@ void Buffer::download(Context& context, std::span<std::byte> data, std::uint64_t
   std::memcpy(data.data(), staging.mapped_, data.size());
 }
 
+std::uint64_t Image::bytes_needed(const Context& context, const ImageSpec& spec) {
+  const VkImageCreateInfo info = image_info(spec);
+  const VkDeviceImageMemoryRequirements asked{.sType = VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS,
+                                              .pCreateInfo = &info};
+  VkMemoryRequirements2 needs{.sType = VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
+  vkGetDeviceImageMemoryRequirements(context.device(), &asked, &needs);
+  return needs.memoryRequirements.size;
+}
+
 Image::Image(Context& context, const std::string& name, const ImageSpec& spec) : spec_(spec) {
-  const VkImageUsageFlags attachment =
-      spec.depth() ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-  const VkImageUsageFlags read_back = spec.use == ImageUse::read_back
-                                          ? VkImageUsageFlags{VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT}
-                                          : VkImageUsageFlags{0};
-  const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                               .imageType = VK_IMAGE_TYPE_2D,
-                               .format = spec.format,
-                               .extent = {spec.width, spec.height, 1},
-                               .mipLevels = 1,
-                               .arrayLayers = spec.layers,
-                               .samples = VK_SAMPLE_COUNT_1_BIT,
-                               .tiling = VK_IMAGE_TILING_OPTIMAL,
-                               .usage = attachment | VK_IMAGE_USAGE_SAMPLED_BIT | read_back};
+  const VkImageCreateInfo info = image_info(spec);
   VkImage image = VK_NULL_HANDLE;
   context.call("creating the image '" + name + "'",
                [&] { return vkCreateImage(context.device(), &info, nullptr, &image); });

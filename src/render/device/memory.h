@@ -71,6 +71,8 @@ class Image {
  public:
   Image() = default;
   Image(Context& context, const std::string& name, const ImageSpec& spec);
+  // What it would take: devices may round up.
+  static std::uint64_t bytes_needed(const Context& context, const ImageSpec& spec);
   [[nodiscard]] VkImage get() const { return image_.get(); }
   [[nodiscard]] VkImageView view() const { return view_.get(); }             // all layers, as an attachment
   [[nodiscard]] VkImageView sampled_view() const { return sampled_.get(); }  // what shaders read: no stencil

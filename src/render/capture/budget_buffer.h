@@ -1,0 +1,48 @@
+// budget_buffer.h - the nearest fragments of every pixel in a given number of bytes, and one layer behind
+// them for the others: what all techniques that do this share.
+#pragma once
+
+#include <optional>
+
+#include "../budget/plan.h"
+#include "block_tails.h"
+#include "technique.h"
+
+namespace pellucid::render {
+
+// shaders/budget/places.glsl: kVariant.
+enum class Places : std::uint32_t { uniform, mapped, mapped_with_weights, uniform_by_opacity };
+
+class BudgetBuffer : public Technique {
+ public:
+  // How much there is to hold decides what is made of the budget.
+  [[nodiscard]] bool needs_counts(const Frame& /*frame*/) const override { return true; }
+  // No buffer is larger than the device lets a shader address.
+  [[nodiscard]] std::uint64_t largest_buffer(const Frame& /*frame*/) const override { return 0; }
+  void allocate(Frame& frame) final;
+  void start(Frame& frame, Recorder& recorder) final;
+  void report(const Frame& frame, std::span<const std::uint32_t> counts, RenderResult& result) final;
+
+ protected:
+  // Where no budget is given.
+  [[nodiscard]] virtual std::uint64_t default_bytes(const Frame& frame) const;
+  // False: they do not fit.
+  virtual bool allocate_places(Frame& frame, const BudgetDemand& demand) = 0;
+  virtual void record_places(Frame& frame, Recorder& recorder) = 0;
+  // Of every pixel: slots for fragments, and importance.
+  [[nodiscard]] virtual std::vector<std::uint32_t> keys(const Frame& frame) const = 0;
+  [[nodiscard]] virtual std::vector<float> importance(const Frame& frame) const = 0;
+
+  // Before the first pass that puts keys into slots of a pool.
+  static void clear_pool(Recorder& recorder, const Buffer& pool);
+  // A pass over the fragments, and all that comes after it waits for it.
+  static void gather(const Frame& frame, Recorder& recorder, std::string_view shader,
+                     const Constants& constants);
+  static void resolve(const Frame& frame, Recorder& recorder, std::string_view shader,
+                      const Constants& constants);
+
+ private:
+  std::optional<BlockTails> blocks_;
+};
+
+}  // namespace pellucid::render

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
+#include <utility>
 
 #include "render/frame.h"
 #include "render_helpers.h"
@@ -11,8 +13,9 @@
 namespace pellucid {
 namespace testing {
 
-// SPIR-V of replay_keys.comp, in a source that the build makes.
+// SPIR-V of replay_keys.comp and replay_halves.comp, in a source that the build makes.
 std::span<const std::uint32_t> replay_keys_code();
+std::span<const std::uint32_t> replay_halves_code();
 
 }  // namespace testing
 
@@ -148,6 +151,65 @@ TEST_F(Synchronisation, ChainOfMinimaUnderContention) {
   std::vector<std::uint64_t> found(nearest.size());
   keys.download(context, std::as_writable_bytes(std::span(found)));
   EXPECT_EQ(found, nearest);
+  EXPECT_TRUE(context.validation_messages().empty());
+}
+
+// The same without 64-bit atomics: depths, ids and colours of fragments of which many share a depth, and the
+// sum of what found no place.
+TEST_F(Synchronisation, ChainsOfHalvesUnderContention) {
+  constexpr std::uint32_t kPixels = 4;
+  constexpr std::uint32_t kSlotsOfPixel = 9;  // the last is the tail
+  constexpr std::uint32_t kFragments = 1U << 16U;
+  constexpr std::uint32_t kMark = 1U << 31U;
+  Random random(5);
+  using Given = std::array<std::uint32_t, 4>;  // pixel, depth, id, colour
+  std::vector<Given> list;
+  std::vector<std::vector<Given>> of_pixel(kPixels);
+  for (std::uint32_t i = 0; i < kFragments; ++i) {
+    const auto pixel = static_cast<std::uint32_t>(random.below(kPixels));
+    // Colours that may be taken for ids, and groups of some five at a depth, the nearest last.
+    list.push_back(
+        {pixel, (kFragments - i) / 20, i + 2, static_cast<std::uint32_t>(random.below(kFragments))});
+    of_pixel[pixel].push_back(list.back());
+  }
+  std::vector<std::uint64_t> expected;
+  for (auto& fragments : of_pixel) {
+    std::sort(fragments.begin(), fragments.end(),
+              [](const Given& a, const Given& b) { return std::pair(a[1], a[2]) < std::pair(b[1], b[2]); });
+    std::uint64_t tail = ~std::uint64_t{0};
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      const auto [pixel, depth, id, color] = fragments[i];
+      if (i + 1 < kSlotsOfPixel) {
+        expected.push_back((std::uint64_t{kMark | depth} << 32U) | color);
+      } else {
+        tail += (std::uint64_t{color} << 32U) | id;
+      }
+    }
+    expected.push_back(tail);
+  }
+
+  render::Context context(
+      {.device = testing::test_renderer().info().name, .validate = testing::validation_is_on()});
+  const render::Buffer unused(context, "unused slot", 16);
+  const render::Buffer pool =
+      render::make_filled(context, "pool", std::vector(expected.size(), ~std::uint64_t{0}));
+  const render::Buffer given = render::make_filled(context, "list", list);
+  std::vector<render::OwnedPipeline> passes;
+  for (const std::uint32_t pass : {0U, 1U, 2U})
+    passes.push_back(render::make_compute_pipeline(context, testing::replay_halves_code(), {0, pass}));
+  context.submit([&](VkCommandBuffer commands) {
+    render::Recorder recorder(context, commands, unused, VK_NULL_HANDLE);
+    recorder.bind(render::Slot::a, pool);
+    recorder.bind(render::Slot::c, given);
+    recorder.push().p = {kSlotsOfPixel, 1, kFragments, 0};
+    for (const render::OwnedPipeline& pass : passes) {
+      recorder.dispatch(pass, kFragments / 64, 1);
+      recorder.barrier();
+    }
+  });
+  std::vector<std::uint64_t> found(expected.size());
+  pool.download(context, std::as_writable_bytes(std::span(found)));
+  EXPECT_EQ(found, expected);
   EXPECT_TRUE(context.validation_messages().empty());
 }
 

@@ -48,6 +48,26 @@ TEST(BudgetOptions, KeepWithinTheMemory) {
   EXPECT_EQ(run_pellucid(render(folder, {"--memory", "10"})).code, 2);
 }
 
+TEST(BudgetOptions, FormsDrawTheSame) {
+  const TemporaryFolder folder;
+  const auto drawn_by = [&](const Arguments& form) {
+    Arguments more{"--memory", "60KB"};
+    more.insert(more.end(), form.begin(), form.end());
+    const Finished done = run_pellucid(render(folder, more));
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(done.err, "");
+    return nlohmann::json::parse(done.out);
+  };
+  const nlohmann::json chain = drawn_by({});
+  const nlohmann::json heap = drawn_by({"--sync", "spinlock", "--heap-from", "1"});
+  EXPECT_EQ(heap["sync"], "spinlock");
+  for (const char* key : {"captured", "overflowed", "k_least", "k_most", "bytes", "passes"})
+    EXPECT_EQ(chain[key], heap[key]) << key;
+  const Finished refused = run_pellucid(render(folder, {"--sync", "ordered"}));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("variable-k has only"), std::string::npos) << refused.err;
+}
+
 // Every sample is a pixel of its own: bytes for all fragments hold all of them.
 TEST(BudgetOptions, SweepsOfMemoryKnowOfSamples) {
   const Finished done =

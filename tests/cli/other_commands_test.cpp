@@ -263,8 +263,8 @@ TEST(TechniquesCommand, ListsWhatIsThere) {
   const nlohmann::json json = nlohmann::json::parse(run_pellucid({"techniques", "--json", "-"}).out);
   ASSERT_GE(json["techniques"].size(), 1U);
   const nlohmann::json& cpu = json["techniques"][0];
-  for (const char* key :
-       {"name", "paper", "exact", "available", "missing", "passes_formula", "bytes_formula", "msaa"}) {
+  for (const char* key : {"name", "paper", "exact", "available", "missing", "passes_formula", "bytes_formula",
+                          "sync", "msaa"}) {
     EXPECT_TRUE(cpu.contains(key)) << key;
   }
   EXPECT_EQ(cpu["name"], "cpu");

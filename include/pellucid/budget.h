@@ -2,8 +2,8 @@
 //
 // `fixed-k`, `hybrid`, `k-plus` and `variable-k` keep the nearest fragments of every pixel in
 // RenderOptions::memory bytes, all their buffers included, and fold what found no place into one translucent
-// layer behind them, the tail. A slot is 8 bytes: a fragment, or a tail. Paper: Vasilakis, Vardis,
-// Papaioannou, Moustakas, "Variable k-buffer using Importance Maps", Eurographics 2017.
+// layer behind them, the tail. A slot is 8 bytes: a fragment, or a tail (of `hybrid` two). Paper: Vasilakis,
+// Vardis, Papaioannou, Moustakas, "Variable k-buffer using Importance Maps", Eurographics 2017.
 #pragma once
 
 #include <cstdint>

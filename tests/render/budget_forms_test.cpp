@@ -170,17 +170,16 @@ TEST_P(BudgetForms, EachSampleIsAPixelOfItsOwn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Techniques, BudgetForms,
-    ::testing::Values(Form{"fixed_k_atomics32", "fixed-k", Sync::atomics32, 16},
-                      Form{"fixed_k_ordered", "fixed-k", Sync::ordered, 16},
-                      Form{"hybrid_atomics32", "hybrid", Sync::atomics32, 16},
-                      Form{"hybrid_ordered", "hybrid", Sync::ordered, 16},
-                      Form{"k_plus_array", "k-plus", Sync::spinlock, kNeverAHeap},
-                      Form{"k_plus_heap", "k-plus", Sync::spinlock, 1},
-                      Form{"k_plus_interlock", "k-plus", Sync::interlock, 4},
-                      Form{"variable_k_heap", "variable-k", Sync::spinlock, 5}),
-    [](const auto& parameter) { return std::string(parameter.param.name); });
+INSTANTIATE_TEST_SUITE_P(Techniques, BudgetForms,
+                         ::testing::Values(Form{"fixed_k_atomics32", "fixed-k", Sync::atomics32, 16},
+                                           Form{"fixed_k_ordered", "fixed-k", Sync::ordered, 16},
+                                           Form{"hybrid_atomics32", "hybrid", Sync::atomics32, 16},
+                                           Form{"hybrid_ordered", "hybrid", Sync::ordered, 16},
+                                           Form{"k_plus_array", "k-plus", Sync::spinlock, kNeverAHeap},
+                                           Form{"k_plus_heap", "k-plus", Sync::spinlock, 1},
+                                           Form{"k_plus_interlock", "k-plus", Sync::interlock, 4},
+                                           Form{"variable_k_heap", "variable-k", Sync::spinlock, 5}),
+                         [](const auto& parameter) { return std::string(parameter.param.name); });
 
 // ------------------------------------------------------------------------------------- what forms do not do
 

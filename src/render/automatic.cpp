@@ -43,14 +43,14 @@ AutomaticChoice capture_all(const AutomaticDemand& demand) {
 AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
   const std::string reason = fmt::format("all fragments at once take {} of {}",
                                          megabytes(demand.ranges_bytes), megabytes(demand.memory));
+  if (demand.overflow == Overflow::nearest && demand.blends)
+    return {"variable-k", reason + ": those that matter most, the rest averaged"};
   if (!demand.atomics64) {
-    throw Error(ErrorKind::bad_argument,
-                "--technique auto: " + reason +
-                    ", and what keeps to less memory needs 64-bit atomics, which the device has not");
+    throw Error(ErrorKind::bad_argument, "--technique auto: " + reason +
+                                             ", and taking them round after round needs 64-bit atomics, "
+                                             "which the device has not");
   }
-  if (demand.overflow == Overflow::exact || !demand.blends)
-    return {"bounded", reason + ": the nearest ones, round after round"};
-  return {"variable-k", reason + ": those that matter most, the rest averaged"};
+  return {"bounded", reason + ": the nearest ones, round after round"};
 }
 
 }  // namespace

@@ -73,6 +73,8 @@ TEST(AutomaticChoice, KeepsFragmentsForEffectsThatNeedThem) {
 TEST(AutomaticChoice, SaysWhatASmallBudgetNeeds) {
   AutomaticDemand demand = demand_for(39);
   demand.atomics64 = false;
+  EXPECT_EQ(chosen_for(demand), "variable-k");
+  demand.overflow = Overflow::exact;
   EXPECT_THROW(choose_technique(demand), Error);
   demand.memory = 40;
   EXPECT_EQ(chosen_for(demand), "sb");

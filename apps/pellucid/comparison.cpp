@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "capture_options.h"
 #include "pellucid/budget_maps.h"
@@ -182,6 +183,23 @@ std::vector<ReportPicture> pictures_of(const std::string& name, const Image& exa
            encode_png(difference_image(exact, image))}};
 }
 
+bool has_colors(const Image& image, std::size_t least) {
+  std::set<std::array<std::uint8_t, 3>> colors;
+  for (std::size_t i = 0; i + 2 < image.rgb.size() && colors.size() < least; i += 3)
+    colors.insert({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+  return colors.size() >= least;
+}
+
+// Those that there is something to be seen in: with so many colours.
+std::vector<ReportMap> report_maps(const std::vector<NamedMap>& maps, std::size_t least_colors) {
+  std::vector<ReportMap> all;
+  for (const NamedMap& map : maps) {
+    if (has_colors(map.image, least_colors))
+      all.push_back({map.name, map.words, map.unit, map.most, encode_png(map.image)});
+  }
+  return all;
+}
+
 // Copies of all triangles with moved corners: copy 0 is the scene.
 template <class Move>
 RenderScene copied(const RenderScene& scene, std::uint32_t copies, const Move& move) {
@@ -306,6 +324,7 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
   RenderResult exact = draw_exact(renderer, drawn, options, session, compared);
   compared.exact = exact.stats;
   compared.pixels_by_depth = pixels_by_depth(exact.fragments, exact.stats.deepest_pixel);
+  compared.maps = report_maps(fragment_pictures(exact, options.draw.samples), 2);
   exact.fragments = {};
   const Image exact_image = to_image(exact);
   compared.picture = {fmt::format("exact, by {}", compared.reference), encode_png(exact_image)};
@@ -324,8 +343,8 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.perceived =
         perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.seen_pixels);
     row.pictures = pictures_of(name, exact_image, result, *row.error);
-    for (const NamedMap& map : budget_pictures(result, options.draw.samples))
-      row.pictures.push_back({map.caption, encode_png(map.image)});
+    // The same everywhere, beside the white of no fragments, is not worth a picture.
+    row.maps = report_maps(budget_pictures(result, options.draw.samples), 3);
   }
   take_turns(all, options.frames);
   for (std::size_t i = 0; i < all.size(); ++i) {

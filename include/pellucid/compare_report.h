@@ -62,17 +62,29 @@ Image difference_image(const Image& exact, const Image& drawn);
 
 // ------------------------------------------------------------------------------------------------- a scene
 
+// A heat map for the page: white where there is none, then darker for more.
+struct ReportMap {
+  std::string name, words, unit;  // "k", "slots for fragments of a pixel", "slots"
+  double most = 0;                // what the darkest colour stands for
+  std::vector<std::uint8_t> png;
+};
+
 struct ComparedTechnique {
   std::string name, title;
   bool exact = false;   // by what it promises
   std::string failure;  // why there is nothing else; empty: it was drawn
   CaptureStats stats;   // milliseconds: the median of the frames
   std::optional<PictureError> error;
-  // What it drew, the difference from the exact picture, and what else there is to see. Empty where it
-  // differs nowhere by more than 1/255. Maps of techniques with a budget are there in any case.
+  // What it drew, and the difference from the exact picture. Empty where it differs nowhere by more than
+  // 1/255.
   std::vector<ReportPicture> pictures;
   PerceivedError perceived{};
   std::optional<double> flicker{};  // of the frames of ComparedScene::flicker_frames
+  std::vector<ReportMap> maps{};    // of techniques with a budget
+
+  [[nodiscard]] bool drawn() const { return failure.empty(); }
+  // No pixel differs by more than 1/255 from the exact picture.
+  [[nodiscard]] bool equals_exact() const { return drawn() && error && error->differing == 0; }
 };
 
 struct ComparedScene {
@@ -86,12 +98,15 @@ struct ComparedScene {
   std::vector<std::uint64_t> pixels_by_depth;  // [n]: pixels with n fragments
   std::vector<ComparedTechnique> techniques;
   std::vector<std::string> notes;
+  std::vector<ReportMap> maps{};  // fragments, and coplanar ones, of every pixel, where there are any
 
   // The paper's C_p: share of covered pixels with fragments at one depth.
   [[nodiscard]] double coplanar_share() const;
   [[nodiscard]] double mean_depth() const;  // fragments of a covered pixel
   // Of those that captured everything and promise to; null: none.
   [[nodiscard]] const ComparedTechnique* fastest_exact() const;
+  // Of a technique's time to that one's; none where either is not there.
+  [[nodiscard]] std::optional<double> time_ratio(const ComparedTechnique& technique) const;
 };
 
 // "2", "1-7"; "-" for techniques that give no slots.
@@ -136,10 +151,34 @@ struct CompareReport {
   double seconds_total = 0;
   std::uint64_t peak_rss_bytes = 0;
 };
+
+// A technique over all scenes of a report.
+struct TechniqueSummary {
+  std::string name;
+  bool exact = false;  // by what it promises
+  std::uint32_t scenes = 0, drawn = 0;
+  std::uint32_t equal = 0;           // of those drawn: like the exact picture
+  std::optional<double> time_ratio;  // geometric mean over the scenes that have one
+  std::optional<double> worst_psnr;
+};
+// In the sequence of the first scene that has them.
+std::vector<TechniqueSummary> summarize(const CompareReport& report);
+
 std::string to_text(const CompareReport& report);
-std::string to_json(const CompareReport& report);
-// One self-contained page. A short script shows the exact picture while another is held; all else works
-// without it.
+
+// Where the pictures of a report are: keys "picture" and "difference" of its JSON. `none`: nowhere.
+enum class ImageFiles { none, beside };
+std::string to_json(const CompareReport& report, ImageFiles images = ImageFiles::none);
+
+// All pictures and heat maps as files of their own, by a path from the report's folder: "images/NAME.png".
+struct ImageFile {
+  std::string path;
+  const std::vector<std::uint8_t>* png = nullptr;  // the report's
+};
+std::vector<ImageFile> image_files(const CompareReport& report);
+
+// One self-contained page. Its script lets any two pictures be laid over each other; all else works without
+// it.
 std::string compare_html(const CompareReport& report);
 
 }  // namespace pellucid

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "pellucid/report.h"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kColors = 7;
 constexpr double kLabelGap = 17;
+constexpr double kMostDecades = 2.4;  // that have marks within them
 
 // Colours come again with other dashes.
 const char* dashes(std::size_t index) {
@@ -82,6 +84,22 @@ std::string group_svg(std::size_t index, bool strong, const std::string& name, c
                      strong ? " strong" : "", dashes(index), escape_html(name), content);
 }
 
+std::vector<double> log_marks(double least, double most) {
+  const bool is_wide = std::log10(most / least) > kMostDecades;
+  const std::vector<double> factors = is_wide ? std::vector<double>{1} : std::vector<double>{1, 2, 5};
+  std::vector<double> marks;
+  for (double power = std::pow(10.0, std::floor(std::log10(least))); marks.empty() || marks.back() < most;
+       power *= 10) {
+    for (const double factor : factors) {
+      if (!marks.empty() && marks.back() >= most) break;
+      // The lowest mark is the last one that nothing lies below.
+      if (factor * power <= least) marks.clear();
+      marks.push_back(factor * power);
+    }
+  }
+  return marks;
+}
+
 std::vector<double> spread_labels(const std::vector<double>& ends, double top, double bottom) {
   std::vector<std::size_t> upper_first(ends.size());
   std::iota(upper_first.begin(), upper_first.end(), std::size_t{0});
@@ -89,14 +107,42 @@ std::vector<double> spread_labels(const std::vector<double>& ends, double top, d
                    [&](std::size_t a, std::size_t b) { return ends[a] < ends[b]; });
   const double gap =
       std::min(kLabelGap, (bottom - top) / std::max(1.0, static_cast<double>(ends.size()) - 1));
-  std::vector<double> heights = ends;
-  for (std::size_t i = 1; i < ends.size(); ++i)
-    heights[upper_first[i]] = std::max(heights[upper_first[i]], heights[upper_first[i - 1]] + gap);
-  double lowest = bottom;
-  for (std::size_t i = ends.size(); i-- > 0;) {
-    heights[upper_first[i]] = std::min(heights[upper_first[i]], lowest);
-    lowest = heights[upper_first[i]] - gap;
+  // Names that are too near to each other become a group, which stands where its names would on average;
+  // groups that meet thereby become one.
+  struct Group {
+    double sum = 0;  // of where each name would have its first one
+    std::size_t count = 0;
+    [[nodiscard]] double first() const { return sum / static_cast<double>(count); }
+  };
+  std::vector<Group> groups;
+  for (const std::size_t i : upper_first) {
+    groups.push_back({ends[i], 1});
+    while (groups.size() > 1) {
+      const Group last = groups.back();
+      Group& before = groups[groups.size() - 2];
+      const double offset = gap * static_cast<double>(before.count);
+      if (before.first() + offset <= last.first()) break;
+      before = {before.sum + last.sum - offset * static_cast<double>(last.count), before.count + last.count};
+      groups.pop_back();
+    }
   }
+  std::vector<double> sorted;
+  for (const Group& group : groups)
+    for (std::size_t n = 0; n < group.count; ++n)
+      sorted.push_back(group.first() + gap * static_cast<double>(n));
+  // All of them between `top` and `bottom`.
+  double least = top;
+  for (double& height : sorted) {
+    height = std::max(height, least);
+    least = height + gap;
+  }
+  double most = bottom;
+  for (std::size_t i = sorted.size(); i-- > 0;) {
+    sorted[i] = std::min(sorted[i], most);
+    most = sorted[i] - gap;
+  }
+  std::vector<double> heights(ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) heights[upper_first[i]] = sorted[i];
   return heights;
 }
 

@@ -19,6 +19,10 @@ std::string group_svg(std::size_t index, bool strong, const std::string& name, c
 // At most `length` characters of UTF-8: its continuation bytes stay with the byte they follow.
 std::string abbreviated(const std::string& name, std::size_t length);
 
+// Marks of a logarithmic axis that runs from `least` to `most`, above 0: 1, 2 and 5 times powers of ten, or
+// powers alone where there are many. The first is not above `least`, the last not below `most`.
+std::vector<double> log_marks(double least, double most);
+
 // Heights for names beside the ends of their curves, in the same order, from `top` to `bottom` but not over
 // each other.
 std::vector<double> spread_labels(const std::vector<double>& ends, double top, double bottom);

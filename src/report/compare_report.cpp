@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
+#include "compare_images.h"
 #include "json.h"
 
 namespace pellucid {
@@ -47,16 +49,12 @@ void append(Json& json, Json more, bool known) {
 }
 
 Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
-  const bool drawn = technique.failure.empty();
-  const ComparedTechnique* fastest = scene.fastest_exact();
-  std::optional<double> ratio;
-  if (drawn && fastest != nullptr && fastest->stats.milliseconds > 0)
-    ratio = technique.stats.milliseconds / fastest->stats.milliseconds;
+  const bool drawn = technique.drawn();
   Json json = {{"name", technique.name},
                {"exact", technique.exact},
                {"failure", drawn ? Json(nullptr) : Json(technique.failure)}};
   append(json, json_of_stats(technique.stats, pixels_of(scene)), drawn);
-  json["ratio"] = or_null(ratio);
+  json["ratio"] = or_null(scene.time_ratio(technique));
   const auto error = [&](auto value) {
     return technique.error ? Json(value(*technique.error)) : Json(nullptr);
   };
@@ -70,12 +68,28 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   return json;
 }
 
-Json json_of(const ComparedScene& scene, const std::string& effect) {
+// Of the files of image_files(). Techniques that differ nowhere have the exact picture.
+Json picture_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
+  if (!technique.drawn() || report.scenes[number].picture.png.empty()) return nullptr;
+  return image_path(report, number, technique.pictures.empty() ? "exact" : technique.name);
+}
+Json difference_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
+  return technique.pictures.size() < 2 ? Json(nullptr)
+                                       : Json(image_path(report, number, technique.name + "-difference"));
+}
+
+// `number`: of the scene. Keys "picture" and "difference" are null where there are no such files.
+Json json_of(const CompareReport& report, std::size_t number, ImageFiles images) {
+  const ComparedScene& scene = report.scenes[number];
+  const bool has_files = images == ImageFiles::beside;
   Json techniques = Json::array();
   for (const ComparedTechnique& technique : scene.techniques) {
-    techniques.push_back(json_of(technique, scene));
-    techniques.back()["effect"] = effect;
+    Json& json = techniques.emplace_back(json_of(technique, scene));
+    json["effect"] = report.effect;
+    json["picture"] = has_files ? picture_of(report, number, technique) : Json(nullptr);
+    json["difference"] = has_files ? difference_of(report, number, technique) : Json(nullptr);
   }
+  const bool has_picture = has_files && !scene.picture.png.empty();
   return {{"scene", scene.input},
           {"size", fmt::format("{}x{}", scene.width, scene.height)},
           {"width", scene.width},
@@ -93,8 +107,19 @@ Json json_of(const ComparedScene& scene, const std::string& effect) {
           {"c_p", scene.coplanar_share()},
           {"flicker_frames", scene.flicker_frames},
           {"pixels_by_depth", scene.pixels_by_depth},
+          {"picture", has_picture ? Json(image_path(report, number, "exact")) : Json(nullptr)},
           {"techniques", std::move(techniques)},
           {"notes", scene.notes}};
+}
+
+Json json_of(const TechniqueSummary& summary) {
+  return {{"name", summary.name},
+          {"exact", summary.exact},
+          {"scenes", summary.scenes},
+          {"failed", summary.scenes - summary.drawn},
+          {"equal", summary.equal},
+          {"ratio_mean", or_null(summary.time_ratio)},
+          {"psnr_worst", or_null(summary.worst_psnr)}};
 }
 
 const NamedSweep& named(SweepKind kind) {
@@ -129,12 +154,10 @@ std::vector<std::string> cells_of(const ComparedTechnique& technique, const Comp
   const char* promise = technique.exact ? "yes" : "no";
   if (!technique.failure.empty()) return {technique.name, promise, "-"};
   const CaptureStats& stats = technique.stats;
-  const ComparedTechnique* fastest = scene.fastest_exact();
-  const double ratio = fastest == nullptr ? NAN : stats.milliseconds / fastest->stats.milliseconds;
   return {technique.name,
           promise,
           format_fixed(stats.milliseconds, 1),
-          format_fixed(ratio, 2),
+          format_fixed(scene.time_ratio(technique).value_or(NAN), 2),
           std::to_string(stats.geometry_passes),
           std::to_string(stats.rounds),
           format_bytes(stats.bytes),
@@ -167,6 +190,18 @@ std::string text_of(const ComparedScene& scene) {
   text += table.to_string() + failures;
   for (const std::string& note : scene.notes) text += fmt::format("note: {}\n", note);
   return text;
+}
+
+std::string text_of(const std::vector<TechniqueSummary>& summaries) {
+  TextTable table({"over all scenes", "exact", "mean ratio", "worst PSNR", "equal pictures", "failed"});
+  for (const TechniqueSummary& summary : summaries) {
+    table.add_row({summary.name, summary.exact ? "yes" : "no",
+                   format_fixed(summary.time_ratio.value_or(NAN), 2),
+                   format_fixed(summary.worst_psnr.value_or(NAN), 1),
+                   fmt::format("{}/{}", summary.equal, summary.scenes),
+                   std::to_string(summary.scenes - summary.drawn)});
+  }
+  return table.to_string();
 }
 
 // Milliseconds of every technique and point; the page has the other measures.
@@ -232,13 +267,16 @@ std::string to_text(const CompareReport& report) {
                                  report.device.driver, report.frames > 1 ? report.frames - 1 : 1);
   if (report.device.cpu) text += "This driver runs on the CPU: compare ratios of times, not the times.\n";
   for (const ComparedScene& scene : report.scenes) text += fmt::format("\n{}", text_of(scene));
+  if (report.scenes.size() > 1) text += "\n" + text_of(summarize(report));
   for (const ComparedSweep& sweep : report.sweeps) text += fmt::format("\n{}", text_of(sweep));
   return text;
 }
 
-std::string to_json(const CompareReport& report) {
+std::string to_json(const CompareReport& report, ImageFiles images) {
   Json scenes = Json::array();
-  for (const ComparedScene& scene : report.scenes) scenes.push_back(json_of(scene, report.effect));
+  for (std::size_t s = 0; s < report.scenes.size(); ++s) scenes.push_back(json_of(report, s, images));
+  Json summary = Json::array();
+  for (const TechniqueSummary& technique : summarize(report)) summary.push_back(json_of(technique));
   Json sweeps = Json::array();
   for (const ComparedSweep& sweep : report.sweeps) sweeps.push_back(json_of(sweep));
   Json json = {{"schema", kJsonSchema},           {"version", library_version()},
@@ -251,6 +289,7 @@ std::string to_json(const CompareReport& report) {
     for (const char* key : {"scene", "size", "width", "height", "techniques"}) json[key] = scenes[0][key];
   }
   json["scenes"] = std::move(scenes);
+  json["summary"] = std::move(summary);
   json["sweeps"] = std::move(sweeps);
   json["seconds"] = {{"total", report.seconds_total}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;

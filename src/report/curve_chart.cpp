@@ -20,7 +20,6 @@ constexpr double kLeastHeight = 240;  // of the plot
 constexpr double kCurveHeight = 16;   // room for a name
 constexpr double kBelow = 52;         // room for the axis
 constexpr std::size_t kNameLength = 15;
-constexpr double kMostDecades = 2.4;  // that have marks within them
 
 class Plot {
  public:
@@ -44,7 +43,6 @@ class Plot {
     if (x1_ - x0_ < 1e-9) x1_ = x0_ + 1;
   }
 
-  // Marks at 1, 2, 5 of every power of ten, or at powers alone where there are many.
   void choose_y() {
     if (chart_.is_share) {
       marks_ = {0, 0.2, 0.4, 0.6, 0.8, 1};
@@ -61,17 +59,7 @@ class Plot {
       }
     }
     if (most <= 0) least = most = 1;
-    const bool is_wide = std::log10(most / least) > kMostDecades;
-    const std::vector<double> factors = is_wide ? std::vector<double>{1} : std::vector<double>{1, 2, 5};
-    for (double power = std::pow(10.0, std::floor(std::log10(least))); marks_.empty() || marks_.back() < most;
-         power *= 10) {
-      for (const double factor : factors) {
-        if (!marks_.empty() && marks_.back() >= most) break;
-        // The lowest mark is the last one that nothing lies below.
-        if (factor * power <= least) marks_.clear();
-        marks_.push_back(factor * power);
-      }
-    }
+    marks_ = log_marks(least, most);
     y0_ = std::log(marks_.front());
     y1_ = std::max(std::log(marks_.back()), y0_ + 1e-9);
   }

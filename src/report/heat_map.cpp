@@ -1,5 +1,6 @@
 // Fragments shaded in vain as colours, alone and side by side: see pellucid/overdraw_report.h.
 #include <algorithm>
+#include <cmath>
 
 #include "overdraw_pictures.h"
 
@@ -45,6 +46,17 @@ void draw(Image& image, const HeatMap& map, std::uint32_t left, std::uint32_t to
 
 Rgb heat_color(std::uint32_t shaded) {
   return shaded == 0 ? kBackground : kRamp[std::min(shaded, kHeatSteps) - 1];
+}
+
+Rgb heat_between(double share) {
+  const double place = 1 + std::clamp(share, 0.0, 1.0) * (kHeatSteps - 1);
+  const auto low = static_cast<std::uint32_t>(place);
+  const Rgb a = heat_color(low);
+  const Rgb b = heat_color(std::min(low + 1, kHeatSteps));
+  Rgb color{};
+  for (std::size_t c = 0; c < color.size(); ++c)
+    color.at(c) = static_cast<std::uint8_t>(std::lround(std::lerp(a.at(c), b.at(c), place - low)));
+  return color;
 }
 
 Image heat_picture(const HeatMap& map) {

@@ -121,11 +121,12 @@ std::string tile(const std::string& value, const std::string& label) {
   return fmt::format("<div><b>{}</b><span>{}</span></div>", escape_html(value), escape_html(label));
 }
 
-std::string figure(const std::string& caption, std::span<const std::uint8_t> png) {
+std::string figure(const std::string& caption, std::span<const std::uint8_t> png,
+                   const std::string& attributes, const std::string& below) {
   const std::string safe = escape_html(caption);
   return fmt::format(
-      "<figure><img alt=\"{}\" src=\"data:image/png;base64,{}\"/><figcaption>{}</figcaption></figure>", safe,
-      base64(png), safe);
+      "<figure><img alt=\"{}\"{}{} src=\"data:image/png;base64,{}\"/><figcaption>{}</figcaption>{}</figure>",
+      safe, attributes.empty() ? "" : " ", attributes, base64(png), safe, below);
 }
 
 std::string html_page(const std::string& title, const std::string& content) {

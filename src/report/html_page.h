@@ -20,7 +20,9 @@ constexpr const char* kNoValue = "\u2013";
 // "1 frame", "12,000 frames".
 std::string plural(std::uint64_t count, const std::string& word);
 
-// A picture as a data URI, with its caption.
-std::string figure(const std::string& caption, std::span<const std::uint8_t> png);
+// A picture as a data URI, with its caption. `attributes` of the picture: markup; `below` the caption:
+// markup.
+std::string figure(const std::string& caption, std::span<const std::uint8_t> png,
+                   const std::string& attributes = "", const std::string& below = "");
 
 }  // namespace pellucid

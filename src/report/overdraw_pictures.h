@@ -17,6 +17,8 @@ constexpr std::uint32_t kHeatSteps = 5;
 
 // Of a pixel that so many fragments were shaded for: white for none, then darker with each one in vain.
 Rgb heat_color(std::uint32_t shaded);
+// Between these colours but the white one, so that small differences show; `share` of 0 to 1.
+Rgb heat_between(double share);
 
 // Throws Error{bad_argument} when `map` has not size * size pixels.
 Image heat_picture(const HeatMap& map);

@@ -8,7 +8,7 @@
 namespace pellucid {
 namespace {
 
-using Channel = std::vector<double>;
+using Values = std::vector<double>;
 
 // Separable Gaussian; beyond the border the border goes on.
 class Blur {
@@ -22,11 +22,11 @@ class Blur {
     }
     for (double& weight : weights_) weight /= sum;
   }
-  [[nodiscard]] Channel operator()(const Channel& plane) const { return along(along(plane, 1, 0), 0, 1); }
+  [[nodiscard]] Values operator()(const Values& plane) const { return along(along(plane, 1, 0), 0, 1); }
 
  private:
-  [[nodiscard]] Channel along(const Channel& plane, int dx, int dy) const {
-    Channel out(plane.size());
+  [[nodiscard]] Values along(const Values& plane, int dx, int dy) const {
+    Values out(plane.size());
     const auto width = static_cast<int>(width_);
     const auto height = static_cast<int>(height_);
     for (int y = 0; y < height; ++y) {
@@ -49,8 +49,8 @@ class Blur {
   std::vector<double> weights_;
 };
 
-Channel luma_of(std::span<const Vec3f> linear) {
-  Channel luma;
+Values luma_of(std::span<const Vec3f> linear) {
+  Values luma;
   luma.reserve(linear.size());
   for (const Vec3f& c : linear) {
     luma.push_back(0.2126 * srgb_from_linear(double{c.x}) + 0.7152 * srgb_from_linear(double{c.y}) +
@@ -59,8 +59,8 @@ Channel luma_of(std::span<const Vec3f> linear) {
   return luma;
 }
 
-Channel product(const Channel& a, const Channel& b) {
-  Channel out(a.size());
+Values product(const Values& a, const Values& b) {
+  Values out(a.size());
   std::transform(a.begin(), a.end(), b.begin(), out.begin(), std::multiplies<>());
   return out;
 }
@@ -74,25 +74,25 @@ std::array<double, 3> lab_of(double r, double g, double b) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
-std::array<Channel, 3> blurred_channels(std::span<const Vec3f> linear, const Blur& blur) {
-  std::array<Channel, 3> channels;
+std::array<Values, 3> blurred_channels(std::span<const Vec3f> linear, const Blur& blur) {
+  std::array<Values, 3> channels;
   for (const Vec3f& c : linear) {
     channels[0].push_back(std::clamp(double{c.x}, 0.0, 1.0));
     channels[1].push_back(std::clamp(double{c.y}, 0.0, 1.0));
     channels[2].push_back(std::clamp(double{c.z}, 0.0, 1.0));
   }
-  for (Channel& channel : channels) channel = blur(channel);
+  for (Values& channel : channels) channel = blur(channel);
   return channels;
 }
 
-double ssim_of(const Channel& a, const Channel& b, const Blur& blur, double covered) {
+double ssim_of(const Values& a, const Values& b, const Blur& blur, double covered) {
   constexpr double kC1 = 0.01 * 0.01;
   constexpr double kC2 = 0.03 * 0.03;
-  const Channel mean_a = blur(a);
-  const Channel mean_b = blur(b);
-  const Channel square_a = blur(product(a, a));
-  const Channel square_b = blur(product(b, b));
-  const Channel mixed = blur(product(a, b));
+  const Values mean_a = blur(a);
+  const Values mean_b = blur(b);
+  const Values square_a = blur(product(a, a));
+  const Values square_b = blur(product(b, b));
+  const Values mixed = blur(product(a, b));
   double missing = 0;
   for (std::size_t p = 0; p < a.size(); ++p) {
     const double ma = mean_a[p];
@@ -113,8 +113,8 @@ PerceivedError perceived_error(std::span<const Vec3f> exact, std::span<const Vec
   const auto covered = static_cast<double>(covered_pixels);
   error.ssim = ssim_of(luma_of(exact), luma_of(drawn), Blur(width, height, 1.5, 5), covered);
   const Blur blur(width, height, 1, 3);
-  const std::array<Channel, 3> a = blurred_channels(exact, blur);
-  const std::array<Channel, 3> b = blurred_channels(drawn, blur);
+  const std::array<Values, 3> a = blurred_channels(exact, blur);
+  const std::array<Values, 3> b = blurred_channels(drawn, blur);
   double sum = 0;
   for (std::size_t p = 0; p < exact.size(); ++p) {
     const auto lab_a = lab_of(a[0][p], a[1][p], a[2][p]);

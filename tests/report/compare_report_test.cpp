@@ -9,6 +9,7 @@
 #include "curve_chart.h"
 #include "html_charts.h"
 #include "pellucid/budget_maps.h"
+#include "report/comparison.h"
 #include "report/markup.h"
 #include "report/schema.h"
 
@@ -18,63 +19,8 @@ namespace {
 using nlohmann::json;
 using testing::first_nesting_error;
 using testing::first_violation;
-
-CaptureStats stats_of(std::uint64_t captured, double milliseconds) {
-  CaptureStats stats;
-  stats.fragments = 1000;
-  stats.captured = captured;
-  stats.coplanar_pixels = 50;
-  stats.covered_pixels = 200;
-  stats.deepest_pixel = 3;
-  stats.geometry_passes = 2;
-  stats.bytes = 12'300;
-  stats.milliseconds = milliseconds;
-  return stats;
-}
-
-ComparedTechnique technique(const std::string& name, bool exact, std::uint64_t captured,
-                            double milliseconds) {
-  return {name, "how " + name + " works", exact, "", stats_of(captured, milliseconds), PictureError{}, {}};
-}
-
-CompareReport sample_comparison(const std::string& name = "stack") {
-  CompareReport report;
-  report.device.name = name + " GPU";
-  report.device.driver = "driver";
-  report.effect = "transparency";
-  report.surfaces = "uniform";
-  report.frames = 6;
-  ComparedScene& scene = report.scenes.emplace_back();
-  scene.input = "dir/" + name + ".glb";
-  scene.camera = "30,20,3";
-  scene.width = 40;
-  scene.height = 20;
-  scene.triangles = 12;
-  scene.objects = 1;
-  scene.reference = "sb";
-  scene.exact = stats_of(1000, 5);
-  scene.picture = {"exact, by sb", {1, 2, 3}};
-  scene.pixels_by_depth = {600, 100, 60, 40};
-  scene.techniques = {technique("f2b", false, 700, 1), technique("f2b-2p", true, 1000, 8),
-                      technique("ll", true, 1000, 4), technique("sb", true, 900, 2)};
-  scene.techniques[0].error = PictureError{23.5, 0.25, 31};
-  scene.techniques[0].pictures = {{name, {4, 5}}, {"difference", {6, 7}}};
-  ComparedTechnique& failed = scene.techniques.emplace_back();
-  failed.name = "kb";
-  failed.failure = name + " needs 64-bit atomics";
-  ComparedSweep& sweep = report.sweeps.emplace_back();
-  sweep.input = name;
-  sweep.techniques = {"sb", "kb"};
-  for (const std::uint32_t side : {10U, 20U, 40U})
-    sweep.points.push_back({side / 40.0, side, side, 0, {stats_of(1000, side), std::nullopt}});
-  return report;
-}
-
-std::size_t occurrences(const std::string& text, const std::string& what) {
-  std::size_t count = 0;
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += what.size()) ++count;
-  return count;
-}
+using testing::occurrences;
+using testing::sample_comparison;
 
 // ------------------------------------------------------------------------------------------------ pictures
 
@@ -150,6 +96,24 @@ TEST(PerceivedErrors, SsimSeesStructure) {
   EXPECT_GT(perceived_error(exact, darker, 32, 32, 1024).ssim, 0.9);
 }
 
+// One pixel with two fragments of three in one place, in any sequence, and one with none.
+TEST(FragmentMaps, CountFragmentsAndCoplanarOnes) {
+  RenderResult result;
+  result.width = 2;
+  result.height = 1;
+  result.fragments.offsets = {0, 3, 3};
+  result.fragments.fragments = {{0.5F, 0}, {0.25F, 2}, {0.5F, 4}};
+  const std::vector<NamedMap> maps = fragment_pictures(result, 1);
+  ASSERT_EQ(maps.size(), 2U);
+  EXPECT_EQ(maps[0].most, 3);
+  EXPECT_EQ(maps[1].most, 2);
+  for (const NamedMap& map : maps) {
+    EXPECT_LT(map.image.rgb[0], 100);
+    EXPECT_EQ(map.image.rgb[3], 255);
+  }
+  EXPECT_TRUE(fragment_pictures(RenderResult{}, 1).empty());
+}
+
 TEST(BudgetMaps, AreDarkerForMore) {
   RenderResult result;
   result.width = 3;
@@ -220,41 +184,32 @@ TEST(CompareReport, JsonFollowsItsSchema) {
   for (const auto& [key, value] : failed.items())
     EXPECT_TRUE(scene["techniques"]["items"]["properties"].contains(key)) << key;
 
+  for (const auto& [key, value] : written["summary"][0].items())
+    EXPECT_TRUE(schema["properties"]["summary"]["items"]["properties"].contains(key)) << key;
+
   written["scenes"][0]["techniques"][0]["r_h"] = 1.5;
   EXPECT_NE(first_violation(written, schema), "");
   EXPECT_EQ(first_violation(json::parse(to_json(CompareReport{})), schema), "");
 }
 
-// ----------------------------------------------------------------------------------------------------- page
-
-TEST(ComparePage, IsWellFormedWithHostileNames) {
-  const std::string page = compare_html(sample_comparison("</td><img src=x>\"&'"));
-  EXPECT_EQ(first_nesting_error(page, "<html"), "");
-  EXPECT_EQ(page.find("<img src=x>"), std::string::npos);
-  EXPECT_EQ(first_nesting_error(compare_html(CompareReport{}), "<html"), "");
-}
-
-TEST(ComparePage, FetchesNothing) {
-  const std::string page = compare_html(sample_comparison());
-  for (const char* text : {"http", "url(", "@import", "<link", "href", "script src"})
-    EXPECT_EQ(page.find(text), std::string::npos) << text;
-  EXPECT_EQ(occurrences(page, "src=\""), occurrences(page, "src=\"data:image/png;base64,"));
-  EXPECT_EQ(occurrences(page, "src=\""), 3U);
-}
-
-TEST(ComparePage, WarnsOfDriversOnTheCpu) {
-  CompareReport report = sample_comparison();
-  EXPECT_EQ(compare_html(report).find("runs on the CPU"), std::string::npos);
-  report.device.cpu = true;
-  EXPECT_NE(compare_html(report).find("runs on the CPU"), std::string::npos);
-}
-
-TEST(ComparePage, ChoosesAmongThePicturesThatDiffer) {
-  const std::string page = compare_html(sample_comparison());
-  EXPECT_EQ(occurrences(page, "type=\"radio\""), 2U);
-  EXPECT_EQ(occurrences(page, "checked=\"checked\""), 1U);
-  EXPECT_NE(page.find("exact picture: f2b-2p, ll, sb."), std::string::npos);
-  EXPECT_NE(page.find("<td colspan=\"16\">stack needs 64-bit atomics</td>"), std::string::npos);
+TEST(CompareReport, JsonNamesTheFilesOfPictures) {
+  CompareReport report = sample_comparison("a b");
+  EXPECT_TRUE(json::parse(to_json(report))["scenes"][0]["picture"].is_null());
+  report.scenes.push_back(report.scenes.front());
+  const json written = json::parse(to_json(report, ImageFiles::beside));
+  EXPECT_EQ(first_violation(written, schema_of_compare()), "");
+  std::vector<std::string> files;
+  for (const ImageFile& file : image_files(report)) files.push_back(file.path);
+  EXPECT_EQ(files, (std::vector<std::string>{"images/1-a_b-exact.png", "images/1-a_b-f2b.png",
+                                             "images/1-a_b-f2b-difference.png", "images/2-a_b-exact.png",
+                                             "images/2-a_b-f2b.png", "images/2-a_b-f2b-difference.png"}));
+  const json& techniques = written["scenes"][1]["techniques"];
+  EXPECT_EQ(written["scenes"][1]["picture"], files[3]);
+  EXPECT_EQ(techniques[0]["picture"], files[4]);
+  EXPECT_EQ(techniques[0]["difference"], files[5]);
+  EXPECT_EQ(techniques[1]["picture"], files[3]);  // equal
+  EXPECT_TRUE(techniques[1]["difference"].is_null());
+  EXPECT_TRUE(techniques[4]["picture"].is_null());  // failed
 }
 
 // ---------------------------------------------------------------------------------------------------- plots

@@ -32,7 +32,7 @@ inline std::string first_nesting_error(const std::string& page, const std::strin
       open.pop_back();
     } else if (page[close - 1] != '/') {
       open.push_back(name);
-      if (name == "style") at = page.find("</style", at) - 1;
+      if (name == "style" || name == "script") at = page.find("</" + name, at) - 1;
     }
     ++at;
   }

@@ -7,6 +7,7 @@
 #include "budget_options.h"
 #include "capture_options.h"
 #include "choice.h"
+#include "compare_output.h"
 #include "comparison.h"
 #include "pellucid/compare_report.h"
 #include "pellucid/shading.h"
@@ -21,7 +22,7 @@ constexpr const char* kSweepSample = "torus-knot";
 
 struct CompareCommand {
   std::vector<std::string> inputs;
-  std::string page;
+  std::string output;
   std::string techniques = "all";
   std::string sweeps = "none";
   bool cpu_reference = false;
@@ -105,7 +106,8 @@ CompareReport new_report(const CompareCommand& command, const DeviceInfo& device
 
 void run_compare(const CompareCommand& command, Session& session) {
   const Stopwatch watch;
-  if (!command.page.empty()) check_writable(command.page);
+  const CompareOutput output(command.output);
+  output.check();
   session.check_json();
   const std::vector<SweepKind> sweeps = sweep_kinds(command.sweeps);
   if (command.inputs.empty() && sweeps.empty())
@@ -138,7 +140,7 @@ void run_compare(const CompareCommand& command, Session& session) {
   stop_if_signalled();
   report.seconds_total = watch.seconds();
   report.peak_rss_bytes = peak_rss_bytes();
-  if (!command.page.empty()) write_file_atomically(command.page, compare_html(report));
+  output.write(report);
   session.print(to_text(report));
   session.write_json(to_json(report));
 }
@@ -152,6 +154,7 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
   CLI::App* command =
       add_command(app, chosen, "compare", "Capture techniques on the same scenes, side by side",
                   "  pellucid compare bottles.glb -o report.html --json report.json\n"
+                  "  pellucid compare bottles.glb smoke.glb -o report\n"
                   "  pellucid compare a.glb b.obj --techniques exact --size 1280x720 --surfaces file\n"
                   "  pellucid compare stack.glb --techniques sb,f2b,f2b-2p --reference cpu\n"
                   "  pellucid compare smoke.glb --techniques variable-k,mboit4 --memory 3MB --flicker 12\n"
@@ -159,7 +162,11 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
                   1, [options](Session& session) { run_compare(*options, session); });
   CompareCommand& o = *options;
   command->add_option("MODEL", o.inputs, "glTF, GLB, PLY, OBJ, STL or OFF")->type_name("");
-  command->add_option("-o,--output", o.page, "The page to write: tables, pictures, differences, plots")
+  command
+      ->add_option(
+          "-o,--output", o.output,
+          "The page to write (.html): tables, pictures, differences, plots; or a folder for report.html, "
+          "report.json and images/")
       ->type_name("FILE");
   command->add_option("--techniques", o.techniques, "Names with commas, all, or exact")
       ->type_name("LIST")

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 
 #include "cli/command_line.h"
@@ -25,8 +26,22 @@ TEST(CompareCommand, RefusesWhatMakesNoSense) {
     EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   }
   EXPECT_EQ(run_pellucid({"compare", "-o", page}).code, 2);
-  EXPECT_EQ(run_pellucid({"compare", samples().plain, "-o", folder.file("no/r.html")}).code, 1);
   EXPECT_TRUE(folder.files().empty());
+}
+
+TEST(CompareCommand, RefusesWhereItCannotWriteBeforeAnythingIsDrawn) {
+  const TemporaryFolder folder;
+  spill(folder.file("file"), "");
+  std::filesystem::create_directories(folder.file("taken/report.html"));
+  std::filesystem::create_directories(folder.file("odd"));
+  spill(folder.file("odd/images"), "");
+  for (const char* output : {"no/r.html", "no/report", "file/", "file/r.html", "taken", "odd/"}) {
+    const Finished done = run_pellucid({"compare", samples().plain, "-o", folder.file(output)});
+    EXPECT_EQ(done.code, 1) << output << ": " << done.err;
+    EXPECT_EQ(count_lines(done.err), 1U) << done.err;
+    EXPECT_EQ(done.out, "") << output;
+  }
+  EXPECT_EQ(folder.files().size(), 3U);
 }
 
 #if defined(PELLUCID_WITH_RENDERER)
@@ -84,6 +99,29 @@ TEST(CompareCommand, TellsWhatTechniquesCapture) {
   EXPECT_EQ(html.find("http"), std::string::npos);
   EXPECT_NE(html.find("fastest exact"), std::string::npos);
   EXPECT_NE(done.out.find("C_p"), std::string::npos);
+}
+
+TEST(CompareCommand, FillsAFolder) {
+  const TemporaryFolder folder;
+  const std::string report = folder.file("report");
+  for (int run = 0; run < 2; ++run) {  // makes the folder, then writes into it
+    const Finished done = run_pellucid(
+        quick({samples().plain, "--techniques", "ll,wboit", "-o", report + (run == 0 ? "" : "/")}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(done.err, "");
+  }
+  const nlohmann::json json = parse_json_file(report + "/report.json");
+  EXPECT_EQ(first_violation(json, schema()), "");
+  const nlohmann::json& scene = json["scenes"][0];
+  EXPECT_EQ(scene["techniques"][0]["picture"], scene["picture"]);
+  EXPECT_NE(scene["techniques"][1]["picture"], scene["picture"]);
+  for (const nlohmann::json& path :
+       {scene["picture"], scene["techniques"][1]["picture"], scene["techniques"][1]["difference"]})
+    EXPECT_EQ(slurp(report + "/" + path.get<std::string>()).substr(1, 3), "PNG") << path;
+  EXPECT_NE(slurp(report + "/report.html").find("<div class=\"viewer\""), std::string::npos);
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(report)) files += entry.exists() ? 1U : 0U;
+  EXPECT_EQ(files, 3U);
 }
 
 TEST(CompareCommand, AnEffectThatTheSceneIsTooMuchForIsAnError) {

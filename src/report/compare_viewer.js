@@ -92,14 +92,17 @@ class Viewer {
     const images = chosen.map((option) => this.section.querySelector(`img[data-picture="${option.value}"]`));
     await Promise.all(images.map((image) => image.decode()));
     if (turn !== this.turn) return;  // another choice was faster
+    const figures = images.map((image) => image.closest('figure'));
     this.images = images;
     this.pixels = images.map(pixelsOf);
-    this.scales = images.map((image) => image.closest('figure').querySelector('.legend'));
+    this.names = chosen.map((option) => option.textContent);
+    this.scales = figures.map((figure) => figure.querySelector('.legend'));  // of heat maps
+    this.reading = false;
     this.legends.replaceChildren(...new Set(this.scales.filter(Boolean)
         .map((legend) => legend.cloneNode(true))));
     this.tags.forEach((tag, side) => {
-      const words = chosen[side].dataset.words;
-      tag.textContent = chosen[side].textContent + (words ? `: ${words}` : '');
+      tag.textContent = this.scales[side] ? figures[side].querySelector('figcaption').textContent :
+                                            `${this.names[side]}: ${chosen[side].dataset.words}`;
     });
     this.subtract();
     this.draw();
@@ -176,7 +179,8 @@ class Viewer {
     this.gain.parentElement.hidden = this.mode !== 'difference';
     this.stage.style.touchAction = this.scale ? 'none' : 'pan-y';
     this.zoomText.textContent = `${Math.round(100 * this.zoom)} %`;
-    if (!this.reading) {
+    if (!this.reading && this.scales.some(Boolean)) this.readout.textContent = '';
+    else if (!this.reading) {
       this.readout.textContent = `${this.differing.toLocaleString('en')} of ` +
           `${(this.width * this.height).toLocaleString('en')} pixels differ by more than ${kVisible}/255, ` +
           `at most by ${this.largest}/255`;
@@ -231,7 +235,7 @@ class Viewer {
       patch.style.background = `rgb(${color.join(' ')})`;
       const legend = this.scales[side];
       const value = legend ? `${valueOf(legend, ...color)} ${legend.dataset.unit}` : color.join(' ');
-      parts.push(patch, elementOf('span', `${this.menus[side].selectedOptions[0].textContent} ${value}`));
+      parts.push(patch, elementOf('span', `${this.names[side]} ${value}`));
     });
     if (!this.scales.some(Boolean)) {
       const difference = colors[0].map((value, c) => Math.abs(value - colors[1][c]));

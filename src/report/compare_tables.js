@@ -6,7 +6,9 @@
 // "1,234", "12.3 KB", "3/5": the number that rows go by; text where there is none.
 const kUnits = {B: 1, KB: 1e3, MB: 1e6, GB: 1e9};
 const valueOf = (row, column) => {
-  const text = row.cells[column]?.textContent.trim() ?? '';
+  const cell = row.cells[column];
+  if (!cell || cell.colSpan > 1) return '';  // why there is nothing else
+  const text = cell.textContent.trim();
   const number = parseFloat(text.replace(/,/g, ''));
   if (text === '=') return Infinity;  // no error at all
   return Number.isNaN(number) ? text : number * (kUnits[text.split(' ')[1]] ?? 1);

@@ -73,8 +73,8 @@ class Viewer {
     this.bind();
   }
 
-  async start() {
-    await this.choose();
+  start() {
+    this.choose();
     this.root.hidden = false;
     this.section.querySelector('.flip').hidden = true;
     new ResizeObserver(() => this.draw()).observe(this.stage);
@@ -83,15 +83,10 @@ class Viewer {
 
   // -------------------------------------------------------------------------------------------- what is shown
 
-  // The pictures of both menus. Their pixels are kept as long as they are shown. data-ready: what is chosen can
-  // be seen.
-  async choose() {
-    const turn = this.turn = (this.turn ?? 0) + 1;
-    delete this.root.dataset.ready;
+  // The pictures of both menus. Their pixels are kept as long as they are shown.
+  choose() {
     const chosen = this.menus.map((menu) => menu.selectedOptions[0]);
     const images = chosen.map((option) => this.section.querySelector(`img[data-picture="${option.value}"]`));
-    await Promise.all(images.map((image) => image.decode()));
-    if (turn !== this.turn) return;  // another choice was faster
     const figures = images.map((image) => image.closest('figure'));
     this.images = images;
     this.pixels = images.map(pixelsOf);
@@ -106,7 +101,6 @@ class Viewer {
     });
     this.subtract();
     this.draw();
-    this.root.dataset.ready = 'true';
   }
 
   // Both pictures' difference, multiplied by what the menu says.
@@ -357,7 +351,14 @@ class Viewer {
   }
 }
 
-for (const root of document.querySelectorAll('.viewer')) {
-  new Viewer(root).start().catch((error) => console.error(error));
-}
+// All pictures are there once the page is: they are part of it.
+window.addEventListener('load', () => {
+  for (const root of document.querySelectorAll('.viewer')) {
+    try {
+      new Viewer(root).start();
+    } catch (error) {
+      console.error(error);
+    }
+  }
+});
 })();

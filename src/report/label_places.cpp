@@ -44,6 +44,7 @@ std::vector<PlacedLabel> places_of(const LabelPoint& point) {
 
 std::vector<PlacedLabel> place_labels(const std::vector<LabelPoint>& points, const LabelBox& area) {
   std::vector<LabelBox> taken;
+  taken.reserve(2 * points.size());
   for (const LabelPoint& p : points)
     taken.push_back({p.x - kPointRadius, p.y - kPointRadius, p.x + kPointRadius, p.y + kPointRadius});
   const auto is_free = [&](const PlacedLabel& place) {

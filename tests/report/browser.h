@@ -33,7 +33,8 @@ inline std::optional<std::string> open_page(const std::string& browser, const st
                                             const std::filesystem::path& folder) {
   return output_of("timeout 60 " + browser +
                    " --headless=new --no-sandbox --disable-gpu --hide-scrollbars --window-size=1000,1600"
-                   " --disable-extensions --no-first-run --virtual-time-budget=10000 --user-data-dir='" +
+                   " --disable-extensions --disable-dev-shm-usage --no-first-run --virtual-time-budget=10000 "
+                   "--user-data-dir='" +
                    folder.string() + "' " + action + " 'file://" + page.string() + "' 2>/dev/null");
 }
 

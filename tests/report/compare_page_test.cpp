@@ -101,8 +101,10 @@ TEST(ComparePage, HeatMapsHaveScalesWithNumbers) {
 
 TEST(LabelPlaces, AreNotOverEachOther) {
   std::vector<LabelPoint> points;
-  for (int i = 0; i < 30; ++i)
-    points.push_back({200.0 + 9 * (i % 6), 100.0 + 7 * (i / 6), "technique-" + std::to_string(i)});
+  for (int row = 0; row < 5; ++row) {
+    for (int column = 0; column < 6; ++column)
+      points.push_back({200.0 + 9 * column, 100.0 + 7 * row, "technique-" + std::to_string(points.size())});
+  }
   const LabelBox area{0, 0, 900, 400};
   const std::vector<PlacedLabel> labels = place_labels(points, area);
   ASSERT_EQ(labels.size(), points.size());
@@ -170,14 +172,9 @@ Element.prototype.setPointerCapture = () => {};
 
 // After it: uses the viewer as a reader would, and leaves what it saw in the page.
 constexpr const char* kProbe = R"(<pre id="probe"></pre><script>
-(async () => {
+addEventListener('load', () => {
   const seen = {};
   const viewer = document.querySelector('.viewer');
-  const drawn = async () => {
-    for (let i = 0; i < 200 && !viewer.dataset.ready; ++i) await new Promise((done) => setTimeout(done, 20));
-  };
-  await drawn();
-  while (viewer.hidden) await new Promise((done) => setTimeout(done, 20));
   const find = (name) => viewer.querySelector(name);
   const stage = find('.stage');
   const color = (share) => {
@@ -193,11 +190,10 @@ constexpr const char* kProbe = R"(<pre id="probe"></pre><script>
       clientX: box.left + x * box.width, clientY: box.top + y * box.height}));
   };
   const mode = (name) => find(`input[value="${name}"]`).click();
-  const choose = async (name, words) => {
+  const choose = (name, words) => {
     const menu = find(`select.${name}`);
     menu.selectedIndex = [...menu.options].findIndex((option) => option.text === words);
     menu.dispatchEvent(new Event('change'));
-    await drawn();
   };
 
   seen.shown = [viewer.hidden, viewer.parentElement.querySelector('.flip').hidden];
@@ -229,9 +225,8 @@ constexpr const char* kProbe = R"(<pre id="probe"></pre><script>
   find('button[value="fit"]').click();
   seen.fitted = parseInt(find('output').textContent) === before;
   find('button.swap').click();
-  await drawn();
   seen.swapped = sides();
-  await choose('right', 'fragments');
+  choose('right', 'fragments');
   pointer(stage, 'pointermove', 0.5, 0.5);
   seen.map = find('.readout').innerText.replace(/\s+/g, ' ');
   seen.legends = viewer.querySelectorAll('.legends .legend').length;
@@ -244,7 +239,7 @@ constexpr const char* kProbe = R"(<pre id="probe"></pre><script>
   seen.falling = names();
   seen.complaints = complaints;
   document.getElementById('probe').textContent = JSON.stringify(seen);
-})();
+});
 </script>)";
 
 std::string text_of(const std::array<std::uint8_t, 3>& color) {

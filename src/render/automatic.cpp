@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "capture/blending_techniques.h"
+#include "capture/budget_techniques.h"
 #include "capture/buffer_techniques.h"
 
 namespace pellucid::render {
@@ -41,8 +42,10 @@ AutomaticChoice capture_all(const AutomaticDemand& demand) {
 }
 
 AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
-  const std::string reason = fmt::format("all fragments at once take {} of {}",
+  const std::string reason = fmt::format("a pool of all fragments takes {} of {}",
                                          megabytes(demand.ranges_bytes), megabytes(demand.memory));
+  if (demand.blends && fits(demand, demand.slots_bytes))
+    return {"k-plus", reason + ": slots of 8 bytes hold them all"};
   if (demand.overflow == Overflow::nearest && demand.blends)
     return {"variable-k", reason + ": those that matter most, the rest averaged"};
   if (!demand.atomics64) {
@@ -97,7 +100,8 @@ AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& hist
           .repaired = history.repaired(),
           .verified_bytes = verified_blend().make()->most_bytes(frame),
           .lists_bytes = linked_lists().make()->most_bytes(frame),
-          .ranges_bytes = s_buffer().make()->most_bytes(frame)};
+          .ranges_bytes = s_buffer().make()->most_bytes(frame),
+          .slots_bytes = k_plus().make()->most_bytes(frame)};
 }
 
 }  // namespace pellucid::render

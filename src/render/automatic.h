@@ -25,7 +25,7 @@ struct AutomaticDemand {
   // Of the pixels that are covered, those that had to be repaired when verified blending was last tried;
   // none: not yet, or a trial is due.
   std::optional<double> repaired;
-  std::uint64_t verified_bytes = 0, lists_bytes = 0, ranges_bytes = 0;  // at most
+  std::uint64_t verified_bytes = 0, lists_bytes = 0, ranges_bytes = 0, slots_bytes = 0;  // at most
 };
 struct AutomaticChoice {
   std::string technique, reason;

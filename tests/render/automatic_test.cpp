@@ -20,13 +20,14 @@ using ::testing::HasSubstr;
 using testing::kFoldRounding;
 using testing::largest_difference;
 
-// Of a frame that takes 100, 60 and 40 bytes.
+// Of a frame that takes 100, 60, 40 and 30 bytes.
 AutomaticDemand demand_for(std::uint64_t memory) {
   AutomaticDemand demand;
   demand.memory = memory;
   demand.verified_bytes = 100;
   demand.lists_bytes = 60;
   demand.ranges_bytes = 40;
+  demand.slots_bytes = 30;
   return demand;
 }
 
@@ -56,8 +57,10 @@ TEST(AutomaticChoice, TakesTheFirstThatFits) {
   EXPECT_EQ(chosen_for(demand_for(60)), "ll");
   EXPECT_EQ(chosen_for(demand_for(59)), "sb");
   EXPECT_EQ(chosen_for(demand_for(40)), "sb");
-  EXPECT_EQ(chosen_for(demand_for(39)), "variable-k");
-  AutomaticDemand exact = demand_for(39);
+  EXPECT_EQ(chosen_for(demand_for(39)), "k-plus");
+  EXPECT_EQ(chosen_for(demand_for(30)), "k-plus");
+  EXPECT_EQ(chosen_for(demand_for(29)), "variable-k");
+  AutomaticDemand exact = demand_for(29);
   exact.overflow = Overflow::exact;
   EXPECT_EQ(chosen_for(exact), "bounded");
 }
@@ -71,7 +74,7 @@ TEST(AutomaticChoice, KeepsFragmentsForEffectsThatNeedThem) {
 }
 
 TEST(AutomaticChoice, SaysWhatASmallBudgetNeeds) {
-  AutomaticDemand demand = demand_for(39);
+  AutomaticDemand demand = demand_for(29);
   demand.atomics64 = false;
   EXPECT_EQ(chosen_for(demand), "variable-k");
   demand.overflow = Overflow::exact;
@@ -164,7 +167,7 @@ TEST(Automatic, KeepsToEveryBudget) {
       EXPECT_LE(largest_difference(exact, result), kFoldRounding);
     }
   }
-  EXPECT_THAT(taken, ::testing::ElementsAre("verified", "sb", "variable-k"));
+  EXPECT_THAT(taken, ::testing::ElementsAre("verified", "sb", "k-plus", "variable-k"));
   EXPECT_EQ(testing::first_validation_message(), "");
 }
 

@@ -6,7 +6,15 @@ namespace {
 
 constexpr std::uint32_t kNoFragment = 0xFFFFFFFFU;  // shaders/budget/places.glsl: both words of an empty slot
 
-BudgetDemand demand_of(const Frame& frame, std::uint64_t bytes) {
+void add_k(CaptureStats& stats, std::uint32_t k) {
+  stats.k_least = std::min(stats.k_least.value_or(k), k);
+  stats.k_most = std::max(stats.k_most.value_or(k), k);
+  stats.k_sum += k;
+}
+
+}  // namespace
+
+BudgetDemand BudgetBuffer::demand_of(const Frame& frame, std::uint64_t bytes) {
   return {.bytes = bytes,
           .most_buffer_bytes = frame.context.info().max_buffer_bytes,
           .width = frame.width,
@@ -15,14 +23,6 @@ BudgetDemand demand_of(const Frame& frame, std::uint64_t bytes) {
           .covered = frame.covered,
           .deepest = frame.deepest};
 }
-
-void add_k(CaptureStats& stats, std::uint32_t k) {
-  stats.k_least = std::min(stats.k_least.value_or(k), k);
-  stats.k_most = std::max(stats.k_most.value_or(k), k);
-  stats.k_sum += k;
-}
-
-}  // namespace
 
 std::uint64_t BudgetBuffer::default_bytes(const Frame& frame) const {
   constexpr std::uint64_t kBytesOfAPixel = 32;

@@ -24,6 +24,7 @@ class BudgetBuffer : public Technique {
   void report(const Frame& frame, std::span<const std::uint32_t> counts, RenderResult& result) final;
 
  protected:
+  static BudgetDemand demand_of(const Frame& frame, std::uint64_t bytes);
   // Where no budget is given.
   [[nodiscard]] virtual std::uint64_t default_bytes(const Frame& frame) const;
   // False: they do not fit.

@@ -5,6 +5,8 @@
 // Papaioannou, Fudos, "k+-buffer: An Efficient, Memory-Friendly and Dynamic k-buffer Framework", TVCG 2015.
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "../budget/allocation.h"
 #include "budget_buffer.h"
 #include "budget_techniques.h"
@@ -24,6 +26,18 @@ constexpr std::uint64_t kMostSorted = 2048;
 class MappedK final : public BudgetBuffer {
  public:
   explicit MappedK(bool by_importance) : by_importance_(by_importance) {}
+
+  // To keep all fragments.
+  [[nodiscard]] std::uint64_t most_bytes(const Frame& frame) const override {
+    constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+    const BudgetDemand demand = demand_of(frame, kNoLimit);
+    Importance wanted = importance_of(frame);
+    wanted.packed = frame.deepest <= kMostPacked;
+    const std::uint64_t given = given_bytes(frame, wanted);
+    const MappedPlan plan = plan_mapped(demand, wanted.survey_words(), given);
+    return plan.slots < frame.fragments ? kNoLimit
+                                        : plan.map_bytes + plan.state_bytes + plan.pool_bytes + given;
+  }
 
  protected:
   bool allocate_places(Frame& frame, const BudgetDemand& demand) override {

@@ -14,7 +14,7 @@ std::string found_before(double repaired) {
   return fmt::format("{:.3g} % of the covered pixels were out of order when last tried", 100 * repaired);
 }
 std::string megabytes(std::uint64_t bytes) {
-  return fmt::format("{:.2f} MB", static_cast<double>(bytes) / 1e6);
+  return fmt::format("{:.3g} MB", static_cast<double>(bytes) / 1e6);
 }
 
 bool fits(const AutomaticDemand& demand, std::uint64_t bytes) {
@@ -42,7 +42,7 @@ AutomaticChoice capture_all(const AutomaticDemand& demand) {
 }
 
 AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
-  const std::string reason = fmt::format("a pool of all fragments takes {} of {}",
+  const std::string reason = fmt::format("a pool of all fragments would take {}, and {} are allowed",
                                          megabytes(demand.ranges_bytes), megabytes(demand.memory));
   if (demand.blends && fits(demand, demand.slots_bytes))
     return {"k-plus", reason + ": slots of 8 bytes hold them all"};
@@ -78,16 +78,15 @@ void SequenceHistory::add_frame(const std::string& technique, std::uint64_t repa
 }
 
 TechniqueEntry automatic() {
-  return {
-      {.name = "auto",
-       .title =
-           "for every frame the one that suits it: verified, ll, sb, or within --memory variable-k, bounded",
-       .paper = "",
-       .captures = "all; within --memory, as many as fit",
-       .passes_formula = "of the chosen one",
-       .bytes_formula = "of the chosen one",
-       .budgeted = true},
-      nullptr};
+  return {{.name = "auto",
+           .title = "for every frame the one that suits it: verified, ll, sb, or within --memory k-plus, "
+                    "variable-k, bounded",
+           .paper = "",
+           .captures = "all; within --memory, as many as fit",
+           .passes_formula = "of the chosen one",
+           .bytes_formula = "of the chosen one",
+           .budgeted = true},
+          nullptr};
 }
 
 AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& history) {

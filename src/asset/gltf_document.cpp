@@ -7,6 +7,7 @@
 #include "glb.h"
 #include "gltf_json.h"
 #include "json_fields.h"
+#include "text_cursor.h"
 #include "uri.h"
 
 namespace pellucid {
@@ -84,13 +85,13 @@ bool is_beside(const GltfDocument& document, const std::string& uri) {
 Bytes read_external(const GltfDocument& document, const Fields& buffer, const std::string& uri) {
   const auto relative = decode_relative_uri(uri);
   if (!relative) {
-    buffer.fail("uri \"" + uri.substr(0, 100) +
-                "\" is not a relative path; only files beside the model and data: are read");
+    buffer.fail("uri " + in_quotes(uri, kLongestUri) +
+                " is not a relative path; only files beside the model and data: are read");
   }
   const auto path = std::filesystem::path(document.path).parent_path() / *relative;
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {
-    buffer.fail("the file \"" + *relative + "\" is missing or not a regular file");
+    buffer.fail("the file " + in_quotes(*relative, kLongestUri) + " is missing or not a regular file");
   }
   try {
     return read_file(path.string());
@@ -147,10 +148,10 @@ void check_version(const GltfDocument& document) {
   const Fields asset = Fields(document.path, document.json, "").object("asset");
   const std::string version = asset.text("version");
   if (!version.starts_with("2.")) {
-    asset.fail("glTF version \"" + version.substr(0, 20) + "\" is not read, only 2.x");
+    asset.fail("glTF version " + in_quotes(version) + " is not read, only 2.x");
   }
   const std::string minimum = asset.text_or("minVersion", "2.0");
-  if (minimum != "2.0") asset.fail("minVersion \"" + minimum.substr(0, 20) + "\" is newer than 2.0");
+  if (minimum != "2.0") asset.fail("minVersion " + in_quotes(minimum) + " is newer than 2.0");
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <functional>
 #include <set>
 
+#include "text_cursor.h"
+
 namespace pellucid {
 namespace {
 
@@ -29,7 +31,7 @@ class OrderCheck {
 
  private:
   [[noreturn]] void fail(const std::string& reason) const {
-    throw Error(ErrorKind::bad_argument, "orders of primitive \"" + primitive_.name + "\": " + reason);
+    throw Error(ErrorKind::bad_argument, "orders of primitive " + in_quotes(primitive_.name) + ": " + reason);
   }
 
   void check_partition() const {

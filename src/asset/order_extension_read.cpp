@@ -7,6 +7,7 @@
 
 #include "facing_table.h"
 #include "order_extension.h"
+#include "text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -50,7 +51,7 @@ class OrderExtensionReader {
   static bool choose(const Fields& fields, const char* key, const char* yes, const char* no) {
     const std::string value = fields.text(key);
     if (value != yes && value != no) {
-      fields.fail(std::string(key) + " is \"" + value.substr(0, 40) + "\", neither " + yes + " nor " + no);
+      fields.fail(std::string(key) + " is " + in_quotes(value) + ", neither " + yes + " nor " + no);
     }
     return value == yes;
   }
@@ -59,7 +60,7 @@ class OrderExtensionReader {
   void read_purpose(OrderSet& set) {
     const std::string purpose = extension_.text_or("purpose", "transparency");
     if (purpose != "transparency" && purpose != "overdraw") {
-      extension_.fail("purpose \"" + purpose.substr(0, 40) + "\" is not known");
+      extension_.fail("purpose " + in_quotes(purpose) + " is not known");
     }
     overdraw_ = purpose == "overdraw";
     set.purpose = overdraw_ ? OrderPurpose::overdraw : OrderPurpose::transparency;
@@ -83,7 +84,7 @@ class OrderExtensionReader {
   void read_partition(OrderSet& set) const {
     const Fields partition = extension_.object("partition");
     if (const std::string type = partition.text("type"); type != "icosphere") {
-      partition.fail("type \"" + type.substr(0, 40) + "\" is not known");
+      partition.fail("type " + in_quotes(type) + " is not known");
     }
     const bool triangles = choose(partition, "cells", "triangles", "vertices");
     const std::uint64_t level = partition.index("level");

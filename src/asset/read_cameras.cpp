@@ -3,6 +3,7 @@
 
 #include "gltf_scene.h"
 #include "pellucid/model_camera.h"
+#include "text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -26,7 +27,7 @@ ModelCamera read_camera(const Fields& fields) {
     camera.perspective = false;
     camera.half_height = positive(fields.object("orthographic"), "ymag");
   } else {
-    fields.fail("type \"" + type.substr(0, 20) + "\" does not exist");
+    fields.fail("type " + in_quotes(type) + " does not exist");
   }
   return camera;
 }

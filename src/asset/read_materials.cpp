@@ -7,6 +7,7 @@
 #include "gltf_deformation.h"
 #include "pellucid/material.h"
 #include "picture_file.h"
+#include "text_cursor.h"
 #include "uri.h"
 
 namespace pellucid {
@@ -240,11 +241,11 @@ class MaterialReader {
 
   bool read_beside(const Fields& image, const std::string& uri, Bytes& file) {
     const auto relative = decode_relative_uri(uri);
-    if (!relative) image.fail("uri \"" + uri.substr(0, 100) + "\" is not a relative path");
+    if (!relative) image.fail("uri " + in_quotes(uri, kLongestUri) + " is not a relative path");
     const auto path = std::filesystem::path(model_.document->path).parent_path() / *relative;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) {
-      note(image, "the file \"" + *relative + "\" is missing");
+      note(image, "the file " + in_quotes(*relative, kLongestUri) + " is missing");
       return false;
     }
     file = read_file(path.string(), kLargestPictureFile);

@@ -62,11 +62,11 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
   return value;
 }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
+std::string in_quotes(std::string_view text, std::size_t longest) {
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7F'; };
   std::string result = "'";
-  for (const char c : text.substr(0, kLongest)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > kLongest ? "...'" : "'");
+  for (const char c : text.substr(0, longest)) result += is_control(c) ? '?' : c;
+  return result + (text.size() > longest ? "...'" : "'");
 }
 
 bool TextCursor::at_continuation() const {

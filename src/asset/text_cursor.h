@@ -61,7 +61,7 @@ class TextCursor {
   std::uint64_t line_ = 1;
 };
 
-// Text of a file for messages: printable, and cut where it is long.
-std::string in_quotes(std::string_view text);
+// Text of a file for messages: without control characters, and cut where it is long.
+std::string in_quotes(std::string_view text, std::size_t longest = 40);
 
 }  // namespace pellucid

@@ -10,6 +10,9 @@
 
 namespace pellucid {
 
+// Of one in a message.
+constexpr std::size_t kLongestUri = 100;
+
 bool is_data_uri(std::string_view uri);
 
 // The payload of a base64 data: uri; empty where it is malformed.

@@ -11,6 +11,7 @@
 #include "order_arrays.h"
 #include "order_check.h"
 #include "split_attributes.h"
+#include "text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -172,8 +173,8 @@ class ModelWriter {
     const bool in_place =
         written.base.size() >= base.size() && std::equal(base.begin(), base.end(), written.base.begin());
     if (set.purpose == OrderPurpose::overdraw && encoding != OrderEncoding::indices && !in_place) {
-      throw Error(ErrorKind::bad_argument, "orders of primitive \"" + primitive.name +
-                                               "\": a triangle of the base sequence cannot be written");
+      throw Error(ErrorKind::bad_argument, "orders of primitive " + in_quotes(primitive.name) +
+                                               ": a triangle of the base sequence cannot be written");
     }
     const OrderAccessors accessors = arrays_.write(set, primitive.mesh, written.base, encoding);
     editor_.primitive(written.mesh, written.index)["extensions"][kOrderExtension] =

@@ -398,7 +398,7 @@ INSTANTIATE_TEST_SUITE_P(
             "Draco",
             [](HandMade& f) { f.primitive()["extensions"]["KHR_draco_mesh_compression"] = Json::object(); },
             "KHR_draco_mesh_compression"},
-        BadCase{"Version1", [](HandMade& f) { f.json["asset"]["version"] = "1.0"; }, "version \"1.0\""},
+        BadCase{"Version1", [](HandMade& f) { f.json["asset"]["version"] = "1.0"; }, "version '1.0'"},
         BadCase{"MinVersion", [](HandMade& f) { f.json["asset"]["minVersion"] = "2.1"; }, "minVersion"},
         BadCase{"NoAsset", [](HandMade& f) { f.json.erase("asset"); }, "asset is missing"},
         BadCase{"MeshesNotArray", [](HandMade& f) { f.json["meshes"] = 5; }, "meshes is not an array"},

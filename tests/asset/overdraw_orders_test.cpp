@@ -317,7 +317,7 @@ void poke_float(Json& document, const Json& id, std::size_t i, float value) {
 INSTANTIATE_TEST_SUITE_P(
     All, BadOverdraw,
     ::testing::Values(
-        BadExtension{"Purpose", [](Json& e, Json&) { e["purpose"] = "speed"; }, "purpose \"speed\""},
+        BadExtension{"Purpose", [](Json& e, Json&) { e["purpose"] = "speed"; }, "purpose 'speed'"},
         BadExtension{"Transparency", [](Json& e, Json&) { e.erase("purpose"); }, "only overdraw orders"},
         BadExtension{"TransparencyRanks",
                      [](Json& e, Json&) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <span>
 #include <utility>
 
@@ -13,9 +14,10 @@
 namespace pellucid {
 namespace testing {
 
-// SPIR-V of replay_keys.comp and replay_halves.comp, in a source that the build makes.
+// SPIR-V of shaders beside this, in a source that the build makes.
 std::span<const std::uint32_t> replay_keys_code();
 std::span<const std::uint32_t> replay_halves_code();
+std::span<const std::uint32_t> replay_lock_code();
 
 }  // namespace testing
 
@@ -210,6 +212,64 @@ TEST_F(Synchronisation, ChainsOfHalvesUnderContention) {
   std::vector<std::uint64_t> found(expected.size());
   pool.download(context, std::as_writable_bytes(std::span(found)));
   EXPECT_EQ(found, expected);
+  EXPECT_TRUE(context.validation_messages().empty());
+}
+
+// Critical sections, with an array and with a heap. In kernels of lavapipe holders of a lock may be suspended
+// for long where it has several threads; invocations of one of them contend all the same.
+TEST_F(Synchronisation, SpinLocksUnderContention) {
+  constexpr std::uint32_t kPixels = 4;
+  constexpr std::uint32_t kKept = 20;
+  constexpr std::uint32_t kFragments = 1U << 14U;
+  constexpr std::uint64_t kUnlocked = std::uint64_t{1} << 63U;
+  Random random(6);
+  std::vector<std::array<std::uint32_t, 4>> list;
+  std::vector<std::vector<std::uint64_t>> expected(kPixels);
+  for (std::uint32_t i = 0; i < kFragments; ++i) {
+    const auto pixel = static_cast<std::uint32_t>(random.below(kPixels));
+    const std::uint32_t depth = (kFragments - i) / 20;
+    list.push_back({pixel, depth, i + 2, 0});
+    expected[pixel].push_back((std::uint64_t{depth} << 32U) | (i + 2));
+  }
+  for (auto& keys : expected) {
+    std::partial_sort(keys.begin(), keys.begin() + kKept, keys.end());
+    keys.resize(kKept);
+  }
+  ::setenv("LP_NUM_THREADS", "0", 1);
+  render::Context context(
+      {.device = testing::test_renderer().info().name, .validate = testing::validation_is_on()});
+  ::unsetenv("LP_NUM_THREADS");
+  const render::Buffer unused(context, "unused slot", 16);
+  const render::Buffer given = render::make_filled(context, "list", list);
+  for (const std::uint32_t heap_from : {1U, 1000U}) {
+    const std::size_t slots = std::size_t{kPixels} * (kKept + 1);
+    const render::Buffer pool = render::make_filled(context, "pool", std::vector(slots, ~std::uint64_t{0}));
+    const render::Buffer counters =
+        render::make_filled(context, "counters", std::vector<render::Counters>(1));
+    const render::OwnedPipeline pipeline =
+        render::make_compute_pipeline(context, testing::replay_lock_code(), {0, heap_from});
+    context.submit([&](VkCommandBuffer commands) {
+      render::Recorder recorder(context, commands, unused, VK_NULL_HANDLE);
+      recorder.bind(render::Slot::a, pool);
+      recorder.bind(render::Slot::c, given);
+      recorder.bind(render::Slot::counters, counters);
+      recorder.push().p = {kKept + 1, 1, 2000, kFragments};
+      recorder.dispatch(pipeline, kFragments / 64, 1);
+    });
+    std::vector<std::uint64_t> found(slots);
+    pool.download(context, std::as_writable_bytes(std::span(found)));
+    std::array<render::Counters, 1> counted{};
+    counters.download(context, std::as_writable_bytes(std::span(counted)));
+    EXPECT_EQ(counted[0].overflowed, 0U);
+    for (std::uint32_t p = 0; p < kPixels; ++p) {
+      const auto first = found.begin() + static_cast<std::ptrdiff_t>(p * (kKept + 1));
+      EXPECT_EQ(*first, expected[p].back() | kUnlocked)
+          << "the farthest comes first, and nobody has the lock";
+      *first &= ~kUnlocked;
+      std::sort(first, first + kKept);
+      EXPECT_TRUE(std::equal(expected[p].begin(), expected[p].end(), first)) << heap_from << ", pixel " << p;
+    }
+  }
   EXPECT_TRUE(context.validation_messages().empty());
 }
 

@@ -262,7 +262,7 @@ TEST_F(Synchronisation, SpinLocksUnderContention) {
     counters.download(context, std::as_writable_bytes(std::span(counted)));
     EXPECT_EQ(counted[0].overflowed, 0U);
     for (std::uint32_t p = 0; p < kPixels; ++p) {
-      const auto first = found.begin() + static_cast<std::ptrdiff_t>(p * (kKept + 1));
+      const auto first = found.begin() + std::ptrdiff_t{p} * (kKept + 1);
       EXPECT_EQ(*first, expected[p].back() | kUnlocked)
           << "the farthest comes first, and nobody has the lock";
       *first &= ~kUnlocked;

@@ -90,8 +90,8 @@ void add_budget_options(CLI::App& command, RenderOptions& options, std::string& 
         ->type_name(type);
   };
   add("--memory", "BYTES",
-      "Bytes that fixed-k, hybrid, k-plus and variable-k may take: 35MB, 20MiB (default 32 a pixel; hybrid: "
-      "what --k takes)",
+      "Bytes that techniques with a budget may take: 35MB, 20MiB (default: fixed-k, k-plus and variable-k 32 "
+      "a pixel, bounded 64, hybrid and multikb what --k takes, auto any)",
       [&](const std::string& text) { options.memory = parse_bytes("--memory", text); });
   command
       .add_option("--heap-from", options.heap_from,

@@ -139,33 +139,36 @@ void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera&
                       const Session& session, CaptureStats& stats) {
   options.statistics = false;
   options.maps = false;
-  std::vector<double> all;
-  std::vector<double> resolve;
+  std::vector<CaptureStats> all;
   for (std::uint32_t frame = 1; frame < frames; ++frame) {
-    const CaptureStats times = renderer.draw(camera, options, session.progress()).stats;
-    take_choice(times, stats);
-    all.push_back(times.milliseconds);
-    resolve.push_back(times.resolve_milliseconds);
+    all.push_back(renderer.draw(camera, options, session.progress()).stats);
     stop_if_signalled();
   }
-  const auto median = [](std::vector<double>& values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-  };
-  stats.milliseconds = median(all);
-  stats.resolve_milliseconds = median(resolve);
+  take_times(all, stats);
 }
 
 }  // namespace
 
-void take_choice(const CaptureStats& later, CaptureStats& stats) {
-  if (later.chosen.empty()) return;
-  stats.chosen = later.chosen;
-  stats.reason = later.reason;
-  stats.bytes = later.bytes;
-  stats.rounds = later.rounds;
-  stats.geometry_passes = later.geometry_passes;
-  stats.fullscreen_passes = later.fullscreen_passes;
+void take_times(std::vector<CaptureStats> frames, CaptureStats& stats) {
+  const auto median_by = [&](double CaptureStats::*time) -> const CaptureStats& {
+    const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+    std::nth_element(frames.begin(), middle, frames.end(),
+                     [&](const CaptureStats& a, const CaptureStats& b) { return a.*time < b.*time; });
+    return *middle;
+  };
+  stats.resolve_milliseconds = median_by(&CaptureStats::resolve_milliseconds).resolve_milliseconds;
+  const CaptureStats& median = median_by(&CaptureStats::milliseconds);
+  stats.milliseconds = median.milliseconds;
+  // Of `auto`, what it took then, and what that needs.
+  if (median.chosen.empty()) return;
+  stats.chosen = median.chosen;
+  stats.reason = median.reason;
+  stats.sync = median.sync;
+  stats.bytes = median.bytes;
+  stats.rounds = median.rounds;
+  stats.geometry_passes = median.geometry_passes;
+  stats.fullscreen_passes = median.fullscreen_passes;
+  stats.repaired_pixels = median.repaired_pixels;
 }
 
 Image to_image(const RenderResult& result) {

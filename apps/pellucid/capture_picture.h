@@ -30,8 +30,8 @@ struct CapturePicture {
   std::uint32_t frames = 1;  // drawn; the time is the median of all but the first, in which drivers compile
 };
 
-// Of frames that are timed: what `auto` came to take, and what that needs.
-void take_choice(const CaptureStats& later, CaptureStats& stats);
+// Into `stats`: the median times of frames, at least one.
+void take_times(std::vector<CaptureStats> frames, CaptureStats& stats);
 
 void render_capture(const CapturePicture& picture, Session& session);
 

@@ -56,17 +56,13 @@ class Contender {
     if (!failure_.empty()) return;
     options_.statistics = false;
     try {
-      const CaptureStats times = draw().stats;
-      take_choice(times, stats_);
-      milliseconds_.push_back(times.milliseconds);
+      frames_.push_back(draw().stats);
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
       failure_ = error.what();
       return;
     }
-    std::vector<double> sorted = milliseconds_;
-    std::sort(sorted.begin(), sorted.end());
-    stats_.milliseconds = sorted[sorted.size() / 2];
+    take_times(frames_, stats_);
   }
 
  private:
@@ -85,7 +81,7 @@ class Contender {
   Session& session_;
   std::string failure_;
   CaptureStats stats_;
-  std::vector<double> milliseconds_;
+  std::vector<CaptureStats> frames_;
 };
 
 std::vector<Contender> contenders(Renderer& renderer, const DrawnScene& drawn,

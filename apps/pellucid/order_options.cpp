@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -39,9 +40,9 @@ std::vector<double> parse_distances(const std::string& text) {
 void parse_max_error(const std::string& text, OrderOptions& order) {
   order.least_frame_time = text == "auto";
   if (order.least_frame_time) return;
-  char* rest = nullptr;
-  order.max_error = std::strtod(text.c_str(), &rest);
-  if (text.empty() || *rest != '\0' || !(order.max_error >= 0 && order.max_error <= 1)) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), order.max_error);
+  const bool is_read = error == std::errc() && end == text.data() + text.size();
+  if (!is_read || !(order.max_error >= 0 && order.max_error <= 1)) {
     throw CLI::ValidationError("--max-error: '" + text + "' is neither a share of 0 to 1 nor auto");
   }
 }
@@ -93,9 +94,9 @@ void add_method_options(CLI::App& command, OrderCommandOptions& o) {
       command
           .add_option_function<std::string>(
               "--max-error", [&order](const std::string& text) { parse_max_error(text, order); },
-              "Share of wrong pixels to reach; when given and missed: exit 5. auto: as few buffers as "
-              "verified "
-              "verified blending hardly get faster")
+              "Share of wrong pixels to reach (when given and missed: exit 5); auto: the fewest buffers with "
+              "which "
+              "frames by verified hardly take longer")
           ->type_name("X|auto")
           ->default_str("0.001")
           ->group("Method");

@@ -198,8 +198,8 @@ struct RenderOptions {
   Overflow overflow = Overflow::nearest;
   // Bytes of buffers of techniques that keep to a budget. 0: `bounded` takes 64 a pixel, `multikb` as many as
   // it needs, `hybrid` as many as hold k, others with a tail 32 a pixel (pellucid/budget.h). `bounded` and
-  // `multikb` cut pictures into bands
-  // where that is too little for what is kept of every pixel; those with a tail keep to it in each band.
+  // `multikb` cut pictures into bands where that is too little for what is kept of every pixel; those with a
+  // tail keep to it in each band.
   std::uint64_t memory = 0;
   Allocation allocation = Allocation::water;  // of `variable-k`, and what it goes by
   ImportanceOptions importance{};

@@ -6,6 +6,7 @@
 #include "capture/blending_techniques.h"
 #include "capture/budget_techniques.h"
 #include "capture/buffer_techniques.h"
+#include "importance_terms.h"
 
 namespace pellucid::render {
 namespace {
@@ -44,15 +45,17 @@ AutomaticChoice capture_all(const AutomaticDemand& demand) {
 AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
   const std::string reason = fmt::format("a pool of all fragments would take {}, and {} are allowed",
                                          megabytes(demand.ranges_bytes), megabytes(demand.memory));
-  if (demand.blends && fits(demand, demand.slots_bytes))
-    return {"k-plus", reason + ": slots of 8 bytes hold them all"};
-  if (demand.overflow == Overflow::nearest && demand.blends)
-    return {"variable-k", reason + ": those that matter most, the rest averaged"};
+  const bool may_lose = demand.overflow == Overflow::nearest && demand.blends;
   if (!demand.atomics64) {
+    if (may_lose) return {"fixed-k", reason + ": the nearest, as many of every pixel, the rest averaged"};
     throw Error(ErrorKind::bad_argument, "--technique auto: " + reason +
                                              ", and taking them round after round needs 64-bit atomics, "
                                              "which the device has not");
   }
+  const bool chained = may_lose || demand.deepest <= kMostChained;
+  if (demand.blends && chained && fits(demand, demand.slots_bytes))
+    return {"k-plus", reason + ": slots of 8 bytes hold them all"};
+  if (may_lose) return {"variable-k", reason + ": those that matter most, the rest averaged"};
   return {"bounded", reason + ": the nearest ones, round after round"};
 }
 
@@ -77,6 +80,14 @@ void SequenceHistory::add_frame(const std::string& technique, std::uint64_t repa
   frames_since_ = 0;
 }
 
+RenderOptions automatic_options(const RenderOptions& options) {
+  check_importance(options.importance);
+  RenderOptions own = options;
+  own.pool = 0;
+  own.sync = Sync::automatic;
+  return own;
+}
+
 TechniqueEntry automatic() {
   return {{.name = "auto",
            .title = "for every frame the one that suits it: verified, ll, sb, or within --memory k-plus, "
@@ -96,6 +107,7 @@ AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& hist
           .memory = frame.options.memory,
           .overflow = frame.options.overflow,
           .atomics64 = frame.context.info().atomics64,
+          .deepest = frame.deepest,
           .repaired = history.repaired(),
           .verified_bytes = verified_blend().make()->most_bytes(frame),
           .lists_bytes = linked_lists().make()->most_bytes(frame),

@@ -14,6 +14,8 @@ namespace pellucid::render {
 
 // Above that share of repaired pixels verified blending is slower than capturing everything at once.
 constexpr double kMostRepaired = 0.5;
+// Chains of so many slots are slower than rounds.
+constexpr std::uint64_t kMostChained = 64;
 // After so many frames that captured everything, the sequence of triangles is tried again.
 constexpr std::uint32_t kFramesUntilTrial = 16;
 
@@ -22,6 +24,7 @@ struct AutomaticDemand {
   std::uint64_t memory = 0;               // bytes; 0: as many as it takes
   Overflow overflow = Overflow::nearest;  // what is done where they do not suffice
   bool atomics64 = true;
+  std::uint64_t deepest = 0;  // fragments of a pixel
   // Of the pixels that are covered, those that had to be repaired when verified blending was last tried;
   // none: not yet, or a trial is due.
   std::optional<double> repaired;
@@ -43,6 +46,10 @@ class SequenceHistory {
   std::optional<double> repaired_;
   std::uint32_t frames_since_ = 0;
 };
+
+// Without what only some of the techniques have a meaning for. Throws Error{bad_argument} for what one that
+// may be taken would refuse.
+RenderOptions automatic_options(const RenderOptions& options);
 
 // How `auto` is listed.
 TechniqueEntry automatic();

@@ -82,6 +82,7 @@ struct Renderer::Implementation {
     render::Frame frame;
     std::vector<std::uint32_t> counts;  // fragments of every pixel
     CaptureStats opaque, counting;      // time and passes that it took
+    bool needed = false;                // the counts: whatever draws
   };
   // False: it is too large for the technique, and nothing was done.
   bool capture_band(const Job& job, const Band& band, Counted& counted, RenderResult& result);
@@ -421,16 +422,20 @@ bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& ba
   render::check_technique(chosen.technique.info, job.options, context.info());
   chosen.sync = render::choose_sync(chosen.technique.info, job.options, context.info());
   counted.frame.sync = chosen.sync;
+  // What there is decides, where there is a budget; else the counts of the last frame would do.
+  counted.needed = job.options.memory != 0;
   const std::uint64_t repaired_before = result.stats.repaired_pixels;
-  if (!capture_band(chosen, band, counted, result)) return false;
-  // Fragments are counted to choose, where there is a budget; else those of the last frame would do.
-  if (job.options.memory != 0 && !chosen.technique.make()->needs_counts(counted.frame)) {
-    result.stats.milliseconds += counted.counting.milliseconds;
-    result.stats.geometry_passes += counted.counting.geometry_passes;
+  const bool exceeded_before = std::exchange(result.stats.pool_exceeded, false);
+  if (!capture_band(chosen, band, counted, result)) {
+    result.stats.pool_exceeded = exceeded_before;
+    return false;
   }
-  if (job.effect != render::kDumpEffect)
-    history.add_frame(choice.technique, result.stats.repaired_pixels - repaired_before,
-                      counted.frame.covered);
+  // What was captured again had to be drawn anew, all of it.
+  const std::uint64_t repaired =
+      result.stats.pool_exceeded ? counted.frame.covered : result.stats.repaired_pixels - repaired_before;
+  if (job.effect != render::kDumpEffect) history.add_frame(choice.technique, repaired, counted.frame.covered);
+  result.stats.pool_exceeded = result.stats.pool_exceeded || exceeded_before;
+  result.stats.sync = chosen.sync;
   if (result.stats.chosen.find(choice.technique) == std::string::npos) {
     result.stats.chosen.append(result.stats.chosen.empty() ? "" : ", ").append(choice.technique);
     result.stats.reason.append(result.stats.reason.empty() ? "" : "; ").append(choice.reason);
@@ -459,7 +464,7 @@ bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Co
   result.stats.pool_exceeded = result.stats.pool_exceeded || pool_exceeded;
   result.stats.milliseconds += counted.opaque.milliseconds;
   result.stats.geometry_passes += counted.opaque.geometry_passes;
-  if (technique->needs_counts(frame)) {
+  if (counted.needed || technique->needs_counts(frame)) {
     result.stats.milliseconds += counted.counting.milliseconds;
     result.stats.geometry_passes += counted.counting.geometry_passes;
   }
@@ -516,8 +521,11 @@ RenderResult Renderer::Implementation::draw(Job job) {
     ~Release() {
       // A residue that was begun is none; those of other bands are of another picture.
       if (!finished) self.residues.clear();
-      std::erase_if(self.residues,
-                    [&](const auto& entry) { return !self.drawn_bands.contains(entry.first); });
+      const auto of_another_picture = [&](const auto& entry) {
+        return !self.drawn_bands.contains(entry.first);
+      };
+      std::erase_if(self.residues, of_another_picture);
+      std::erase_if(self.histories, of_another_picture);
       self.drawn_bands.clear();
       self.opaque.reset();
       self.picture = {};
@@ -571,10 +579,14 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
   self.refuse_if_lost();
   if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
   render::check_options(camera, options, info(), self.scene->object_count);
-  Implementation::Job job{camera, options, render::find_technique(options, info()),
-                          static_cast<std::uint32_t>(options.effect), progress};
-  render::check_technique(job.technique.info, options, info());
-  job.sync = render::choose_sync(job.technique.info, options, info());
+  const render::TechniqueEntry& technique = render::find_technique(options, info());
+  RenderOptions own;
+  const bool is_chosen = technique.make == nullptr;
+  if (is_chosen) own = render::automatic_options(options);
+  const RenderOptions& used = is_chosen ? own : options;
+  Implementation::Job job{camera, used, technique, static_cast<std::uint32_t>(options.effect), progress};
+  render::check_technique(technique.info, used, info());
+  job.sync = render::choose_sync(technique.info, used, info());
   try {
     return self.draw(job);
   } catch (const std::bad_alloc&) {

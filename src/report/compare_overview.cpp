@@ -79,8 +79,7 @@ constexpr OverviewMeasure kOverviewMeasures[] = {
     {"error", "PSNR against the exact picture, dB; =: no pixel differs by more than 1/255.", psnr_cell},
     {"memory", "Bytes a pixel; coloured beside the exact technique that takes the fewest.", bytes_cell}};
 
-// -------------------------------------------------------------------------------------------------- the
-// table
+// ------------------------------------------------------------------------------------------------- the table
 
 std::string counts_of(const TechniqueSummary& summary) {
   return fmt::format("<td>{}/{}</td><td>{}</td>", summary.equal, summary.scenes,

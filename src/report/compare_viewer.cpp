@@ -133,7 +133,7 @@ class Menu {
 };
 
 std::string mode_choice(const std::string& id) {
-  std::string text = "<fieldset class=\"modes\">";
+  std::string text = "<fieldset class=\"modes\" aria-label=\"how both pictures are shown\">";
   for (const char* mode : {"swipe", "flip", "difference"}) {
     text += fmt::format("<label><input type=\"radio\" name=\"{0}-mode\" value=\"{1}\"{2}/>{1}</label>", id,
                         mode, mode == std::string("swipe") ? " checked=\"checked\"" : "");
@@ -169,7 +169,8 @@ std::string scripted_viewer(const ComparedScene& scene, const std::string& id) {
       "aria-valuenow=\"50\"></div><span class=\"tag left\"></span><span class=\"tag right\"></span></div>",
       scene.width, scene.height);
   return text +
-         "<p class=\"readout\"></p><div class=\"legends\"></div><p class=\"note\">Drag the divider, or move "
+         "<p class=\"readout\" role=\"status\"></p><div class=\"legends\"></div><p class=\"note\">Drag the "
+         "divider, or move "
          "it "
          "with the arrow keys. Flip: hold the picture, or the space bar, to see the right one in the place "
          "of "

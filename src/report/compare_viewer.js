@@ -93,8 +93,8 @@ class Viewer {
     this.names = chosen.map((option) => option.textContent);
     this.scales = figures.map((figure) => figure.querySelector('.legend'));  // of heat maps
     this.reading = false;
-    this.legends.replaceChildren(...new Set(this.scales.filter(Boolean)
-        .map((legend) => legend.cloneNode(true))));
+    this.legends.replaceChildren(...[...new Set(this.scales.filter(Boolean))]
+        .map((legend) => legend.cloneNode(true)));
     this.tags.forEach((tag, side) => {
       tag.textContent = this.scales[side] ? figures[side].querySelector('figcaption').textContent :
                                             `${this.names[side]}: ${chosen[side].dataset.words}`;
@@ -245,6 +245,7 @@ class Viewer {
     this.gain.addEventListener('change', () => { this.subtract(); this.draw(); });
     this.root.querySelector('.modes').addEventListener('change', (event) => {
       this.mode = event.target.value;
+      this.flipped = false;
       this.draw();
     });
     this.root.querySelector('.swap').addEventListener('click', () => {
@@ -343,11 +344,14 @@ class Viewer {
     };
     this.stage.addEventListener('keydown', (event) => {
       const action = actions[event.key];
-      if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
+      // What would do nothing here scrolls the page.
+      const acts = event.key.startsWith('Arrow') ? this.scale > 0 : event.key !== ' ' || this.mode === 'flip';
+      if (!action || !acts || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
       action();
     });
     this.stage.addEventListener('keyup', (event) => { if (event.key === ' ') this.flip(false); });
+    this.stage.addEventListener('blur', () => this.flip(false));
   }
 }
 

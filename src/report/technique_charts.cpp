@@ -42,8 +42,7 @@ std::string head_svg(const std::string& title) {
          key(false, 830, "approximates");
 }
 
-// -------------------------------------------------------------------------------------- points: error and
-// cost
+// ------------------------------------------------------------------------------------ points: error and cost
 
 constexpr double kCostLeft = 70;
 constexpr double kCostRight = 920;

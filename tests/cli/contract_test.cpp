@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 
@@ -60,6 +61,17 @@ TEST(Contract, TheReferencePageNamesEveryOption) {
       EXPECT_NE(page.find(option), std::string::npos) << command << " " << option;
       at = end;
     }
+  }
+}
+
+TEST(Contract, TheDocumentNamesEveryTechnique) {
+  const std::string page = slurp(std::string(PELLUCID_GOLDEN) + "/../../../docs/rendering.md");
+  const Finished listed = run_pellucid({"techniques", "--json", "-"});
+  const auto json = nlohmann::json::parse(listed.out.substr(listed.out.find('{')));
+  EXPECT_GT(json["techniques"].size(), 0U);
+  for (const auto& technique : json["techniques"]) {
+    const std::string name = technique["name"];
+    EXPECT_NE(page.find("`" + name + "`"), std::string::npos) << name;
   }
 }
 

@@ -67,7 +67,7 @@ TEST_F(Frontier, RefusesWhatItCannotWriteBeforeAnyWork) {
   EXPECT_EQ(order({"--frontier", file("f.svg"), "--method", "acyclic"}).code, 2);
   EXPECT_EQ(order({"--max-error", "auto", "-o", file("o.glb"), "--buffers", "3"}).code, 2);
   EXPECT_EQ(order({"--max-error", "auto", "-o", file("o.glb"), "--method", "acyclic"}).code, 2);
-  for (const char* wrong : {"", "2", "-0.1", "0.1x", "nan"}) {
+  for (const char* wrong : {"", "2", "-0.1", "0.1x", " 0.1", "0x0.1", "nan"}) {
     EXPECT_EQ(order({"--max-error", wrong, "-o", file("o.glb")}).code, 2) << wrong;
   }
 }

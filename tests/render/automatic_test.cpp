@@ -76,11 +76,36 @@ TEST(AutomaticChoice, KeepsFragmentsForEffectsThatNeedThem) {
 TEST(AutomaticChoice, SaysWhatASmallBudgetNeeds) {
   AutomaticDemand demand = demand_for(29);
   demand.atomics64 = false;
-  EXPECT_EQ(chosen_for(demand), "variable-k");
+  EXPECT_EQ(chosen_for(demand), "fixed-k");
   demand.overflow = Overflow::exact;
   EXPECT_THROW(choose_technique(demand), Error);
   demand.memory = 40;
   EXPECT_EQ(chosen_for(demand), "sb");
+}
+
+// Whatever it takes can be drawn there.
+TEST(AutomaticChoice, TakesWhatADeviceWithoutLongAtomicsHas) {
+  const DeviceInfo device;
+  ASSERT_FALSE(device.atomics64);
+  for (const std::uint64_t memory : {0U, 99U, 50U, 35U, 10U}) {
+    AutomaticDemand demand = demand_for(memory);
+    demand.atomics64 = false;
+    const std::string chosen = chosen_for(demand);
+    const auto infos = render_techniques();
+    const auto info =
+        std::find_if(infos.begin(), infos.end(), [&](const auto& i) { return i.name == chosen; });
+    ASSERT_NE(info, infos.end());
+    EXPECT_EQ(missing_for(*info, device), "") << memory;
+  }
+}
+
+TEST(AutomaticChoice, TakesRoundsWhereChainsWouldBeLong) {
+  AutomaticDemand demand = demand_for(30);
+  demand.overflow = Overflow::exact;
+  demand.deepest = render::kMostChained;
+  EXPECT_EQ(chosen_for(demand), "k-plus");
+  ++demand.deepest;
+  EXPECT_EQ(chosen_for(demand), "bounded");
 }
 
 TEST(SequenceHistory, AsksForATrialAfterSomeFrames) {
@@ -146,29 +171,48 @@ TEST(Automatic, LeavesASequenceThatIsWrongAndComesBackToSee) {
   EXPECT_EQ(renderer.draw(camera, {.technique = "auto"}).stats.chosen, "verified");
 }
 
+// Also where images are padded, and with a pool, which is not its own.
 TEST(Automatic, KeepsToEveryBudget) {
   Renderer& renderer = testing::test_renderer();
   if (!renderer.info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
-  const Camera camera = testing::unit_camera(64, 48);
   const RenderScene scene = testing::random_stack(3, 200);
-  renderer.load(scene);
-  const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
-  std::vector<std::string> taken;
-  std::uint64_t captured = exact.stats.captured;
-  const std::uint64_t suffices = 2 * exact.stats.bytes;
-  for (std::uint64_t memory = suffices; memory >= suffices / 16; memory = memory * 19 / 20) {
+  for (const std::uint32_t samples : {1U, 4U}) {
+    const Camera camera = testing::unit_camera(samples == 1 ? 67 : 37, samples == 1 ? 45 : 29);
     renderer.load(scene);
-    const RenderResult result = renderer.draw(camera, {.technique = "auto", .memory = memory});
-    EXPECT_LE(result.stats.bytes, memory) << result.stats.chosen;
-    EXPECT_LE(result.stats.captured, captured) << memory;
-    captured = result.stats.captured;
-    if (taken.empty() || taken.back() != result.stats.chosen) taken.push_back(result.stats.chosen);
-    if (result.stats.captured == exact.stats.captured) {
-      EXPECT_LE(largest_difference(exact, result), kFoldRounding);
+    const RenderResult exact = renderer.draw(camera, {.technique = "sb", .samples = samples});
+    std::vector<std::string> taken;
+    std::uint64_t captured = exact.stats.captured;
+    const std::uint64_t suffices = 2 * exact.stats.bytes;
+    for (std::uint64_t memory = suffices; memory >= suffices / 16; memory = memory * 15 / 16) {
+      renderer.load(scene);
+      const RenderResult result =
+          renderer.draw(camera, {.technique = "auto", .samples = samples, .pool = 100, .memory = memory});
+      EXPECT_LE(result.stats.bytes, memory) << result.stats.chosen;
+      EXPECT_LE(result.stats.captured, captured) << memory;
+      captured = result.stats.captured;
+      if (taken.empty() || taken.back() != result.stats.chosen) taken.push_back(result.stats.chosen);
+      if (result.stats.captured == exact.stats.captured) {
+        EXPECT_LE(largest_difference(exact, result), kFoldRounding);
+      }
     }
+    EXPECT_THAT(taken, ::testing::ElementsAre("verified", "sb", "k-plus", "variable-k"));
   }
-  EXPECT_THAT(taken, ::testing::ElementsAre("verified", "sb", "k-plus", "variable-k"));
   EXPECT_EQ(testing::first_validation_message(), "");
+}
+
+// The pass that counts is one of its passes, once.
+TEST(Automatic, CountsThePassThatItChoosesBy) {
+  Renderer& renderer = testing::test_renderer();
+  const Camera camera = testing::unit_camera(40, 24);
+  RenderScene scene = ordered_sheets();
+  scene.sequence = reversed(scene.triangles.size());
+  renderer.load(scene);
+  const auto passes = [&](std::uint64_t memory) {
+    return renderer.draw(camera, {.technique = "auto", .memory = memory}).stats.geometry_passes;
+  };
+  passes(0);
+  EXPECT_EQ(passes(0), 1U);
+  EXPECT_EQ(passes(1'000'000), 2U);
 }
 
 TEST(Automatic, IsExactInABudgetWhereThatIsAskedFor) {

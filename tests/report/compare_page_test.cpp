@@ -19,8 +19,7 @@ using testing::first_nesting_error;
 using testing::occurrences;
 using testing::sample_comparison;
 
-// ------------------------------------------------------------------------------------------------- the
-// markup
+// ------------------------------------------------------------------------------------------------ the markup
 
 TEST(ComparePage, IsWellFormedWithHostileNames) {
   CompareReport report = sample_comparison("</td><img src=x>\"&'");
@@ -96,8 +95,7 @@ TEST(ComparePage, HeatMapsHaveScalesWithNumbers) {
   EXPECT_NE(page.find("<option value=\"m0\""), std::string::npos);
 }
 
-// -------------------------------------------------------------------------------------------------- the
-// plots
+// ------------------------------------------------------------------------------------------------- the plots
 
 TEST(LabelPlaces, AreNotOverEachOther) {
   std::vector<LabelPoint> points;
@@ -135,8 +133,7 @@ TEST(TechniqueCharts, CutBarsThatWouldHideAllOthers) {
   EXPECT_NE(svg.find(">600<"), std::string::npos);
 }
 
-// ------------------------------------------------------------------------------------------------ in a
-// browser
+// ---------------------------------------------------------------------------------------------- in a browser
 
 constexpr std::array<std::uint8_t, 3> kExactColor{200, 40, 90};
 constexpr std::array<std::uint8_t, 3> kOtherColor{30, 160, 220};

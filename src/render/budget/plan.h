@@ -20,8 +20,8 @@ struct BudgetDemand {
   [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t{width} * height; }
 };
 
-// Slots that all pixels have alike, the last of them for a tail; 0: not even that fits. More than the deepest
-// pixel needs are not taken.
+// Slots that all pixels have alike, the last `tail_slots` of them for a tail; 0: not even those fit. More
+// than the deepest pixel needs are not taken.
 std::uint64_t uniform_slots(const BudgetDemand& demand, std::uint64_t tail_slots);
 
 // Places of different sizes, with a map to them.

@@ -22,6 +22,10 @@ constexpr std::uint64_t kMostInAttachments = 65'535;
 class FixedK final : public BudgetBuffer {
  public:
   explicit FixedK(TailWeight weight) : weight_(weight) {}
+  // With a k of its own, not what fits: then the picture is cut into bands.
+  [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
+    return takes_k(frame) && frame.sync != Sync::ordered ? default_bytes(frame) : 0;
+  }
   // Attachments have the number of slots that fits, however many fragments there are.
   [[nodiscard]] bool needs_counts(const Frame& frame) const override {
     return frame.sync != Sync::ordered || attachments_in(frame, bytes_given(frame)) == 0;
@@ -106,7 +110,7 @@ class FixedK final : public BudgetBuffer {
   }
   void insert_in_order(const Frame& frame, Recorder& recorder) const {
     const Constants constants{frame.effect, k_, static_cast<std::uint32_t>(places())};
-    recorder.push().p = {0, tail_range(kMostInAttachments), 0, 0};
+    recorder.push().p = {0, tail_range(std::max(frame.deepest, kMostInAttachments)), 0, 0};
     const std::string shader = fmt::format("budget/ordered_core_{}.frag", target_.layout().attachments());
     frame.gather_in_order(recorder, shader, constants, layers_, target_);
     recorder.barrier();

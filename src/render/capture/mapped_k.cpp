@@ -41,7 +41,6 @@ class MappedK final : public BudgetBuffer {
 
  protected:
   bool allocate_places(Frame& frame, const BudgetDemand& demand) override {
-    refuse_to_sort_too_many(frame);
     Importance wanted = importance_of(frame);
     wanted.packed = frame.deepest <= kMostPacked;
     Sharing sharing = by_importance_ ? Sharing::water : Sharing::uniform;
@@ -60,6 +59,7 @@ class MappedK final : public BudgetBuffer {
       plan = plan_mapped(demand, wanted.survey_words(), 0);
     }
     if (plan.slots == 0) return false;
+    refuse_to_sort_too_many(frame, plan.slots);
     pool_ = frame.make_buffer("fragment pool", plan.pool_bytes);
     if (wanted.has(ImportanceTerm::image)) upload_image(frame, wanted.options.image);
     if (wanted.has(ImportanceTerm::residue)) keep_residue(frame);
@@ -113,8 +113,9 @@ class MappedK final : public BudgetBuffer {
                       frame.tiles_y());
     recorder.barrier();
   }
-  static void refuse_to_sort_too_many(const Frame& frame) {
-    if (frame.sync == Sync::atomics || frame.deepest <= kMostSorted) return;
+  static void refuse_to_sort_too_many(const Frame& frame, std::uint64_t slots) {
+    const bool is_limited = frame.context.info().cpu && frame.sync != Sync::atomics;
+    if (!is_limited || std::min(frame.deepest, slots) <= kMostSorted) return;
     throw Error(
         ErrorKind::bad_argument,
         fmt::format("--sync {}: a pixel has {} fragments, more than the {} that are sorted: try --sync "

@@ -32,7 +32,10 @@ class VerifiedBlend final : public Technique {
   }
   [[nodiscard]] std::uint64_t most_bytes(const Frame& frame) const override {
     const std::uint64_t triangles = triangles_end(frame.scene);
-    return 32 * frame.pixels() + 4 * (3 + 2 * frame.tiles()) + 16 * triangles +
+    std::uint64_t targets = 0;
+    for (const VkFormat format : {kBlended, kDepthAndMarks})
+      targets += Image::bytes_needed(frame.context, frame.image_spec(format, 1, ImageUse::attachment));
+    return targets + 8 * frame.pixels() + 4 * (3 + 2 * frame.tiles()) + 16 * triangles +
            frame.scene.ranges.size() * sizeof(VkDrawIndexedIndirectCommand) + kNodeBytes * frame.fragments +
            ListResolve::bytes(frame);
   }

@@ -223,6 +223,7 @@ struct CaptureStats {
   std::uint64_t overflowed = 0;  // that found no place
   // Verified blending: pixels (or samples) where the sequence of drawing was not the order of depths.
   std::uint64_t repaired_pixels = 0;
+  std::uint64_t repaired_triangles = 0;  // that were drawn again for it
   // Ordered k-buffer: pixels (or samples) where a fragment came after more than k farther ones, and was
   // blended behind some of them. 0: all were blended in order, the picture is exact.
   std::uint64_t misordered_pixels = 0;

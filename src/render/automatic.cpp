@@ -11,8 +11,13 @@
 namespace pellucid::render {
 namespace {
 
-std::string found_before(double repaired) {
-  return fmt::format("{:.3g} % of the covered pixels were out of order when last tried", 100 * repaired);
+std::string found_before(const Repairs& repairs) {
+  return fmt::format("{:.3g} % of the covered pixels were out of order when last tried",
+                     100 * repairs.pixels);
+}
+
+bool is_worth_it(const AutomaticDemand& demand) {
+  return verified_by_lists(demand, *demand.repairs) < 1;
 }
 std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{:.3g} MB", static_cast<double>(bytes) / 1e6);
@@ -25,14 +30,13 @@ bool fits(const AutomaticDemand& demand, std::uint64_t bytes) {
 // Why verified blending is worth it; empty: it is not.
 std::string reason_to_verify(const AutomaticDemand& demand) {
   if (!demand.blends || !fits(demand, demand.verified_bytes)) return "";
-  if (!demand.repaired) return "to see how many pixels the sequence of triangles draws in order";
-  if (*demand.repaired > kMostRepaired) return "";
-  return found_before(*demand.repaired);
+  if (!demand.repairs) return "to see how many pixels the sequence of triangles draws in order";
+  return is_worth_it(demand) ? found_before(*demand.repairs) : "";
 }
 
 std::string reason_to_capture_all(const AutomaticDemand& demand) {
   if (!demand.blends) return "the effect needs the fragments themselves";
-  if (demand.repaired && *demand.repaired > kMostRepaired) return found_before(*demand.repaired);
+  if (demand.repairs && !is_worth_it(demand)) return found_before(*demand.repairs);
   return "checking the sequence of triangles might take " + megabytes(demand.verified_bytes);
 }
 
@@ -61,23 +65,47 @@ AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
 
 }  // namespace
 
+double verified_by_lists(const AutomaticDemand& demand, const Repairs& repairs) {
+  // Of a triangle, of a fragment that is blended, and of one that is captured after it was blended; one that
+  // is put into a list and sorted: 1. Measured on a driver that runs on the CPU (docs/rendering.md).
+  constexpr double kTriangle = 0.7;
+  constexpr double kBlendedFragment = 0.38;
+  constexpr double kRepairedFragment = 0.67;
+  const auto triangles = static_cast<double>(demand.triangles);
+  const auto fragments = static_cast<double>(std::max<std::uint64_t>(demand.fragments, 1));
+  // Repairs draw what they need twice: to count, and to store.
+  const double verified = kTriangle * triangles * (1 + 2 * repairs.triangles) +
+                          (kBlendedFragment + kRepairedFragment * repairs.pixels) * fragments;
+  return verified / (kTriangle * triangles + fragments);
+}
+
 AutomaticChoice choose_technique(const AutomaticDemand& demand) {
   if (const std::string reason = reason_to_verify(demand); !reason.empty()) return {"verified", reason};
   if (fits(demand, demand.ranges_bytes)) return capture_all(demand);
   return keep_to_budget(demand);
 }
 
-std::optional<double> SequenceHistory::repaired() const {
-  return frames_since_ < kFramesUntilTrial ? repaired_ : std::nullopt;
+std::optional<Repairs> SequenceHistory::repairs() const {
+  return frames_since_ < kFramesUntilTrial ? repairs_ : std::nullopt;
 }
 
-void SequenceHistory::add_frame(const std::string& technique, std::uint64_t repaired, std::uint64_t covered) {
+void SequenceHistory::add_frame(const std::string& technique, const Repairs& repairs) {
   if (technique != "verified") {
     ++frames_since_;
     return;
   }
-  repaired_ = covered == 0 ? 0.0 : static_cast<double>(repaired) / static_cast<double>(covered);
+  repairs_ = repairs;
   frames_since_ = 0;
+}
+
+Repairs repairs_between(const CaptureStats& before, const CaptureStats& after,
+                        const AutomaticDemand& demand) {
+  if (after.pool_exceeded) return {1, 1};
+  const auto share = [](std::uint64_t part, std::uint64_t whole) {
+    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  return {share(after.repaired_pixels - before.repaired_pixels, demand.covered),
+          share(after.repaired_triangles - before.repaired_triangles, demand.triangles)};
 }
 
 RenderOptions automatic_options(const RenderOptions& options) {
@@ -103,12 +131,17 @@ TechniqueEntry automatic() {
 AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& history) {
   const bool blends =
       frame.options.effect == Effect::transparency || frame.options.effect == Effect::wireframe;
+  std::uint64_t triangles = 0;
+  for (const DrawRange& range : frame.scene.ranges) triangles += range.triangles;
   return {.blends = blends && !frame.options.keep_fragments,
           .memory = frame.options.memory,
           .overflow = frame.options.overflow,
           .atomics64 = frame.context.info().atomics64,
           .deepest = frame.deepest,
-          .repaired = history.repaired(),
+          .fragments = frame.fragments,
+          .covered = frame.covered,
+          .triangles = triangles,
+          .repairs = history.repairs(),
           .verified_bytes = verified_blend().make()->most_bytes(frame),
           .lists_bytes = linked_lists().make()->most_bytes(frame),
           .ranges_bytes = s_buffer().make()->most_bytes(frame),

@@ -12,12 +12,16 @@
 
 namespace pellucid::render {
 
-// Above that share of repaired pixels verified blending is slower than capturing everything at once.
-constexpr double kMostRepaired = 0.5;
 // Chains of so many slots are slower than rounds.
 constexpr std::uint64_t kMostChained = 64;
 // After so many frames that captured everything, the sequence of triangles is tried again.
 constexpr std::uint32_t kFramesUntilTrial = 16;
+
+// What became of a sequence of triangles that was verified: shares of the covered pixels, and of the
+// triangles that were drawn again for them.
+struct Repairs {
+  double pixels = 0, triangles = 0;
+};
 
 struct AutomaticDemand {
   bool blends = true;                     // the effect does, and no fragments are to be kept
@@ -25,25 +29,32 @@ struct AutomaticDemand {
   Overflow overflow = Overflow::nearest;  // what is done where they do not suffice
   bool atomics64 = true;
   std::uint64_t deepest = 0;  // fragments of a pixel
-  // Of the pixels that are covered, those that had to be repaired when verified blending was last tried;
-  // none: not yet, or a trial is due.
-  std::optional<double> repaired;
+  std::uint64_t fragments = 0, covered = 0, triangles = 0;
+  // When verified blending was last tried; none: not yet, or a trial is due.
+  std::optional<Repairs> repairs;
   std::uint64_t verified_bytes = 0, lists_bytes = 0, ranges_bytes = 0, slots_bytes = 0;  // at most
 };
 struct AutomaticChoice {
   std::string technique, reason;
 };
+// What a frame takes by verified blending where it needs these repairs; 1: by lists of all fragments.
+double verified_by_lists(const AutomaticDemand& demand, const Repairs& repairs);
+
 // Throws Error{bad_argument} where the budget is too small for what the device can do.
 AutomaticChoice choose_technique(const AutomaticDemand& demand);
+
+// What `after` has more than `before`. What was captured again had to be repaired, all of it.
+Repairs repairs_between(const CaptureStats& before, const CaptureStats& after, const AutomaticDemand& demand);
 
 // How well the sequence of triangles did in the last frames.
 class SequenceHistory {
  public:
-  [[nodiscard]] std::optional<double> repaired() const;
-  void add_frame(const std::string& technique, std::uint64_t repaired, std::uint64_t covered);
+  [[nodiscard]] std::optional<Repairs> repairs() const;
+  // `repairs`: of verified blending, else of no meaning.
+  void add_frame(const std::string& technique, const Repairs& repairs);
 
  private:
-  std::optional<double> repaired_;
+  std::optional<Repairs> repairs_;
   std::uint32_t frames_since_ = 0;
 };
 

@@ -413,8 +413,8 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
 bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& band, Counted& counted,
                                                   RenderResult& result) {
   render::SequenceHistory& history = histories[{band.first_row, band.rows}];
-  const render::AutomaticChoice choice =
-      render::choose_technique(render::automatic_demand(counted.frame, history));
+  const render::AutomaticDemand demand = render::automatic_demand(counted.frame, history);
+  const render::AutomaticChoice choice = render::choose_technique(demand);
   RenderOptions named = job.options;
   named.technique = choice.technique;
   Job chosen{job.camera, job.options, render::find_technique(named, context.info()), job.effect,
@@ -424,17 +424,15 @@ bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& ba
   counted.frame.sync = chosen.sync;
   // What there is decides, where there is a budget; else the counts of the last frame would do.
   counted.needed = job.options.memory != 0;
-  const std::uint64_t repaired_before = result.stats.repaired_pixels;
-  const bool exceeded_before = std::exchange(result.stats.pool_exceeded, false);
+  const CaptureStats before = result.stats;
+  result.stats.pool_exceeded = false;
   if (!capture_band(chosen, band, counted, result)) {
-    result.stats.pool_exceeded = exceeded_before;
+    result.stats = before;
     return false;
   }
-  // What was captured again had to be drawn anew, all of it.
-  const std::uint64_t repaired =
-      result.stats.pool_exceeded ? counted.frame.covered : result.stats.repaired_pixels - repaired_before;
-  if (job.effect != render::kDumpEffect) history.add_frame(choice.technique, repaired, counted.frame.covered);
-  result.stats.pool_exceeded = result.stats.pool_exceeded || exceeded_before;
+  if (job.effect != render::kDumpEffect)
+    history.add_frame(choice.technique, render::repairs_between(before, result.stats, demand));
+  result.stats.pool_exceeded = result.stats.pool_exceeded || before.pool_exceeded;
   result.stats.sync = chosen.sync;
   if (result.stats.chosen.find(choice.technique) == std::string::npos) {
     result.stats.chosen.append(result.stats.chosen.empty() ? "" : ", ").append(choice.technique);

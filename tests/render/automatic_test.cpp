@@ -15,6 +15,7 @@ namespace {
 
 using render::AutomaticDemand;
 using render::choose_technique;
+using render::Repairs;
 using render::SequenceHistory;
 using ::testing::HasSubstr;
 using testing::kFoldRounding;
@@ -24,6 +25,8 @@ using testing::largest_difference;
 AutomaticDemand demand_for(std::uint64_t memory) {
   AutomaticDemand demand;
   demand.memory = memory;
+  demand.fragments = 1000;
+  demand.triangles = 100;
   demand.verified_bytes = 100;
   demand.lists_bytes = 60;
   demand.ranges_bytes = 40;
@@ -44,12 +47,12 @@ TEST(AutomaticChoice, TriesTheSequenceFirst) {
 
 TEST(AutomaticChoice, GoesByWhatTheSequenceGotWrong) {
   AutomaticDemand demand = demand_for(0);
-  demand.repaired = 0.01;
+  demand.repairs = {0.01, 0.1};
   EXPECT_EQ(chosen_for(demand), "verified");
   EXPECT_THAT(choose_technique(demand).reason, HasSubstr("1 %"));
-  demand.repaired = 0.9;
+  demand.repairs = {0.95, 1};
   EXPECT_EQ(chosen_for(demand), "ll");
-  EXPECT_THAT(choose_technique(demand).reason, HasSubstr("90 %"));
+  EXPECT_THAT(choose_technique(demand).reason, HasSubstr("95 %"));
 }
 
 TEST(AutomaticChoice, TakesTheFirstThatFits) {
@@ -108,19 +111,46 @@ TEST(AutomaticChoice, TakesRoundsWhereChainsWouldBeLong) {
   EXPECT_EQ(chosen_for(demand), "bounded");
 }
 
+// The more triangles for a fragment, the less repairs pay, which draw them again.
+TEST(AutomaticChoice, WeighsTrianglesThatAreDrawnAgain) {
+  AutomaticDemand demand = demand_for(0);
+  demand.repairs = {0.3, 1};
+  EXPECT_EQ(chosen_for(demand), "verified");
+  demand.triangles = 1000;
+  EXPECT_EQ(chosen_for(demand), "ll");
+  demand.repairs->triangles = 0.1;
+  EXPECT_EQ(chosen_for(demand), "verified");
+  EXPECT_LT(render::verified_by_lists(demand, {0.1, 0.1}), render::verified_by_lists(demand, {0.2, 0.1}));
+  EXPECT_LT(render::verified_by_lists(demand, {0.1, 0.1}), render::verified_by_lists(demand, {0.1, 0.2}));
+}
+
 TEST(SequenceHistory, AsksForATrialAfterSomeFrames) {
   SequenceHistory history;
-  EXPECT_FALSE(history.repaired());
-  history.add_frame("verified", 3, 4);
-  ASSERT_TRUE(history.repaired());
-  EXPECT_EQ(*history.repaired(), 0.75);
+  EXPECT_FALSE(history.repairs());
+  history.add_frame("verified", {0.75, 1});
+  ASSERT_TRUE(history.repairs());
+  EXPECT_EQ(history.repairs()->pixels, 0.75);
   for (std::uint32_t frame = 0; frame < render::kFramesUntilTrial; ++frame) {
-    EXPECT_TRUE(history.repaired()) << frame;
-    history.add_frame("ll", 0, 4);
+    EXPECT_TRUE(history.repairs()) << frame;
+    history.add_frame("ll", {});
   }
-  EXPECT_FALSE(history.repaired());
-  history.add_frame("verified", 0, 0);
-  EXPECT_EQ(history.repaired(), 0.0);
+  EXPECT_FALSE(history.repairs());
+}
+
+TEST(SequenceHistory, TellsWhatAFrameAdded) {
+  AutomaticDemand demand = demand_for(0);
+  demand.covered = 200;
+  CaptureStats before;
+  before.repaired_pixels = 10;
+  before.repaired_triangles = 5;
+  CaptureStats after = before;
+  after.repaired_pixels += 50;
+  after.repaired_triangles += 10;
+  EXPECT_EQ(render::repairs_between(before, after, demand).pixels, 0.25);
+  EXPECT_EQ(render::repairs_between(before, after, demand).triangles, 0.1);
+  EXPECT_EQ(render::repairs_between(before, before, {}).pixels, 0);  // nothing is there
+  after.pool_exceeded = true;
+  EXPECT_EQ(render::repairs_between(before, after, demand).pixels, 1);
 }
 
 std::vector<std::uint32_t> reversed(std::size_t count) {

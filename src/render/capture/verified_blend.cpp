@@ -73,6 +73,13 @@ class VerifiedBlend final : public Technique {
     if (marked_ > 0) repair(frame, recorder);
   }
 
+  void report(const Frame& frame, std::span<const std::uint32_t> /*counts*/, RenderResult& result) override {
+    std::vector<VkDrawIndexedIndirectCommand> draws(frame.scene.ranges.size());
+    arguments_.download(frame.context, std::as_writable_bytes(std::span(draws)));
+    for (const VkDrawIndexedIndirectCommand& draw : draws)
+      result.stats.repaired_triangles += draw.indexCount / 3;
+  }
+
  private:
   void blend(Frame& frame, Recorder& recorder) {
     recorder.prepare(blended_);

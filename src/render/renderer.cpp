@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <map>
 #include <new>
@@ -23,19 +22,11 @@
 #include "frame_data.h"
 #include "importance_terms.h"
 #include "opaque_layer.h"
+#include "read_back.h"
 
 namespace pellucid {
 namespace render {
 namespace {
-
-constexpr std::size_t kDumpWords = 3;  // of a fragment: shaders/resolve/dump.glsl
-
-// As shaders/interface/frame.glsl packs it.
-std::array<float, 4> unpack_color(std::uint32_t packed) {
-  const auto channel = [&](unsigned shift) { return static_cast<float>((packed >> shift) & 255U) / 255.0F; };
-  const auto linear = [&](unsigned shift) { return 2 * channel(shift) * channel(shift); };
-  return {linear(0), linear(8), linear(16), channel(24)};
-}
 
 OwnedQueryPool make_timestamps(Context& context) {
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
@@ -113,10 +104,6 @@ struct Renderer::Implementation {
   std::uint32_t peel_together(const Job& job, render::Frame& frame, render::Technique& technique,
                               std::uint32_t first, std::uint32_t count, const render::Culling* culling,
                               CaptureStats& stats);
-  void read_picture(const render::Frame& frame, RenderResult& result);
-  // `colored`: with their colours.
-  void read_fragments(const render::Frame& frame, const std::vector<std::uint32_t>& dump, bool colored,
-                      RenderResult& result);
 
   render::Context context;
   render::Pipelines pipelines;
@@ -347,43 +334,9 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   technique.report(frame, counts, result);
   if (job.effect == render::kDumpEffect) {
     // Techniques with a tail are asked for ids where colours would be.
-    read_fragments(frame, offsets, !job.technique.info.keeps_tail, result);
+    render::read_fragments(dump, frame, offsets, !job.technique.info.keeps_tail, result);
   } else {
-    read_picture(frame, result);
-  }
-}
-
-void Renderer::Implementation::read_picture(const render::Frame& frame, RenderResult& result) {
-  std::vector<std::array<float, 4>> values(frame.pixels());
-  picture.download(context, std::as_writable_bytes(std::span(values)));
-  const std::uint32_t samples = frame.options.samples;
-  for (std::size_t p = 0; p < values.size() / samples; ++p) {
-    Vec3f sum{0, 0, 0};
-    for (std::uint32_t s = 0; s < samples; ++s) {
-      const std::array<float, 4>& value = values[frame.sample_at(p, s)];
-      sum = sum + Vec3f{value[0], value[1], value[2]};
-    }
-    result.pixels.push_back(sum * (1.0F / static_cast<float>(samples)));
-  }
-}
-
-void Renderer::Implementation::read_fragments(const render::Frame& frame,
-                                              const std::vector<std::uint32_t>& offsets, bool colored,
-                                              RenderResult& result) {
-  std::vector<std::array<std::uint32_t, render::kDumpWords>> values(frame.fragments);
-  dump.download(context, std::as_writable_bytes(std::span(values)), 4 * offsets.size());
-  CapturedFragments& out = result.fragments;
-  if (out.offsets.empty()) out.offsets.push_back(0);
-  const std::uint32_t samples = frame.options.samples;
-  for (std::size_t n = 0; n + 1 < offsets.size(); ++n) {
-    const std::uint64_t p = frame.sample_at(n / samples, static_cast<std::uint32_t>(n % samples));
-    for (std::uint32_t i = offsets[p]; i < offsets[p + 1]; ++i) {
-      // Places that the technique left empty have no id.
-      if (values[i][1] == 0) continue;
-      out.fragments.push_back({std::bit_cast<float>(values[i][0]), values[i][1] - 2});
-      if (colored) out.colors.push_back(render::unpack_color(values[i][2]));
-    }
-    out.offsets.push_back(out.fragments.size());
+    render::read_picture(picture, frame, result);
   }
 }
 

@@ -70,7 +70,7 @@ double verified_by_lists(const AutomaticDemand& demand, const Repairs& repairs) 
   // is put into a list and sorted: 1. Measured on a driver that runs on the CPU (docs/rendering.md).
   constexpr double kTriangle = 0.7;
   constexpr double kBlendedFragment = 0.38;
-  constexpr double kRepairedFragment = 0.67;
+  constexpr double kRepairedFragment = 0.8;
   const auto triangles = static_cast<double>(demand.triangles);
   const auto fragments = static_cast<double>(std::max<std::uint64_t>(demand.fragments, 1));
   // Repairs draw what they need twice: to count, and to store.

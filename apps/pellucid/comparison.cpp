@@ -348,6 +348,8 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     compared.techniques[i].failure = all[i].failure();
     const CaptureStats& stats = all[i].stats();
     if (stats.chosen.empty()) continue;
+    // Within a budget it promises what fits.
+    compared.techniques[i].exact = stats.captured == stats.fragments;
     compared.notes.push_back(
         fmt::format("{} took {}: {}", options.techniques[i], stats.chosen, stats.reason));
   }

@@ -3,9 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "capture/blending_techniques.h"
 #include "capture/budget_techniques.h"
 #include "capture/buffer_techniques.h"
+#include "capture/list_resolve.h"
+#include "effects.h"
 #include "importance_terms.h"
 
 namespace pellucid::render {
@@ -19,6 +23,7 @@ std::string found_before(const Repairs& repairs) {
 bool is_worth_it(const AutomaticDemand& demand) {
   return verified_by_lists(demand, *demand.repairs) < 1;
 }
+
 std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{:.3g} MB", static_cast<double>(bytes) / 1e6);
 }
@@ -47,8 +52,7 @@ AutomaticChoice capture_all(const AutomaticDemand& demand) {
 }
 
 AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
-  const std::string reason = fmt::format("a pool of all fragments would take {}, and {} are allowed",
-                                         megabytes(demand.ranges_bytes), megabytes(demand.memory));
+  const std::string reason = "a pool of all fragments would take more than " + megabytes(demand.memory);
   const bool may_lose = demand.overflow == Overflow::nearest && demand.blends;
   if (!demand.atomics64) {
     if (may_lose) return {"fixed-k", reason + ": the nearest, as many of every pixel, the rest averaged"};
@@ -129,11 +133,15 @@ TechniqueEntry automatic() {
 }
 
 AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& history) {
-  const bool blends =
-      frame.options.effect == Effect::transparency || frame.options.effect == Effect::wireframe;
+  constexpr std::uint64_t kNeverFits = std::numeric_limits<std::uint64_t>::max();
+  // Where lists are too long for the driver's loops, they are captured again, in bytes that are not reckoned.
+  const auto bytes_of = [&](const TechniqueEntry& technique) {
+    const bool again = frame.options.memory != 0 && ListResolve::ends_early(frame);
+    return again ? kNeverFits : technique.make()->most_bytes(frame);
+  };
   std::uint64_t triangles = 0;
   for (const DrawRange& range : frame.scene.ranges) triangles += range.triangles;
-  return {.blends = blends && !frame.options.keep_fragments,
+  return {.blends = blends(frame.options.effect) && !frame.options.keep_fragments,
           .memory = frame.options.memory,
           .overflow = frame.options.overflow,
           .atomics64 = frame.context.info().atomics64,
@@ -142,9 +150,9 @@ AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& hist
           .covered = frame.covered,
           .triangles = triangles,
           .repairs = history.repairs(),
-          .verified_bytes = verified_blend().make()->most_bytes(frame),
-          .lists_bytes = linked_lists().make()->most_bytes(frame),
-          .ranges_bytes = s_buffer().make()->most_bytes(frame),
+          .verified_bytes = bytes_of(verified_blend()),
+          .lists_bytes = bytes_of(linked_lists()),
+          .ranges_bytes = bytes_of(s_buffer()),
           .slots_bytes = k_plus().make()->most_bytes(frame)};
 }
 

@@ -75,7 +75,7 @@ void check_technique(const TechniqueInfo& technique, const RenderOptions& option
   }
   if (technique.keeps_tail) check_importance(options.importance);
   if (!technique.blends_only && !technique.keeps_tail) return;
-  if (options.effect != Effect::transparency && options.effect != Effect::wireframe) {
+  if (!blends(options.effect)) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--technique {} blends what it does not keep: --effect transparency or "
                             "wireframe only",

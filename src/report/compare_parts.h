@@ -34,7 +34,9 @@ class Choices {
   Choices(std::string id, std::string kind) : id_(std::move(id)), kind_(std::move(kind)) {}
   void add(const std::string& name, const std::string& content);
   [[nodiscard]] std::size_t size() const { return count_; }
-  [[nodiscard]] std::string html() const { return "<div class=\"flip\">\n" + choices_ + "</div>"; }
+  [[nodiscard]] std::string html() const {
+    return "<div class=\"flip\" role=\"radiogroup\" aria-label=\"what is shown\">\n" + choices_ + "</div>";
+  }
 
  private:
   std::string id_, kind_, choices_;

@@ -230,6 +230,22 @@ TEST(Automatic, KeepsToEveryBudget) {
   EXPECT_EQ(testing::first_validation_message(), "");
 }
 
+// Lists that a driver's loops would not get through are captured again, which takes more.
+TEST(Automatic, KeepsToABudgetWhereListsAreLong) {
+  Renderer& renderer = testing::test_renderer();
+  if (!renderer.info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
+  const Camera camera = testing::unit_camera(8, 8);
+  renderer.load(testing::coplanar_squares(1400, 0.5F));
+  const std::uint64_t needed =
+      renderer.draw(camera, {.technique = "k-plus", .memory = 100'000'000}).stats.bytes;
+  const RenderResult result = renderer.draw(camera, {.technique = "auto", .memory = 4 * needed});
+  EXPECT_LE(result.stats.bytes, 4 * needed);
+  EXPECT_EQ(result.stats.captured, result.stats.fragments);
+  if (renderer.info().cpu) {
+    EXPECT_EQ(result.stats.chosen, "k-plus");
+  }
+}
+
 // The pass that counts is one of its passes, once.
 TEST(Automatic, CountsThePassThatItChoosesBy) {
   Renderer& renderer = testing::test_renderer();

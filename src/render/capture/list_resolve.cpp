@@ -19,6 +19,15 @@ std::uint64_t ListResolve::bytes(const Frame& frame) {
   return 4 * kClasses.size() * (3 + frame.tiles());
 }
 
+bool ListResolve::ends_early(const Frame& frame) {
+  // As fold_bucket() of shaders/resolve/lists.comp counts its turns, where lists are LONG.
+  constexpr std::uint64_t kRoom = 32;
+  const std::uint64_t count = frame.deepest;
+  if (count <= kClasses.back().more_than) return false;
+  const std::uint64_t rounds = (count + kRoom - 1) / kRoom;
+  return 2 * count + rounds * (count + 2 * kRoom) > loop_budget(frame.context.info());
+}
+
 void ListResolve::allocate(Frame& frame) {
   tiles_ = frame.make_buffer("list of tiles", bytes(frame));
 }

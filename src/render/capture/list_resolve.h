@@ -13,6 +13,8 @@ class ListResolve {
   explicit ListResolve(std::string storage) : storage_(std::move(storage)) {}
   void allocate(Frame& frame);
   [[nodiscard]] static std::uint64_t bytes(const Frame& frame);
+  // Does a driver end the loops over the longest list before all of it is sorted?
+  [[nodiscard]] static bool ends_early(const Frame& frame);
   // Slots a, b, c hold the storage; `k` is its constant kK.
   void record(Frame& frame, Recorder& recorder, std::uint32_t k) const {
     record(frame, recorder, k, nullptr);

@@ -211,6 +211,12 @@ addEventListener('load', () => {
   seen.held = color(0.1);
   key(stage, ' ', 'keyup');
   seen.released = color(0.9);
+  pointer(stage, 'pointerdown', 0.5, 0.5);
+  seen.pressed = color(0.1);
+  mode('swipe');  // while it is held
+  pointer(stage, 'pointerup', 0.5, 0.5);
+  mode('flip');
+  seen.left = color(0.1);
   find('select.gain').value = '1';
   find('select.gain').dispatchEvent(new Event('change'));
   mode('difference');
@@ -226,6 +232,7 @@ addEventListener('load', () => {
   choose('right', 'fragments');
   pointer(stage, 'pointermove', 0.5, 0.5);
   seen.map = find('.readout').innerText.replace(/\s+/g, ' ');
+  choose('left', 'fragments');
   seen.legends = viewer.querySelectorAll('.legends .legend').length;
   const names = () => [...document.querySelectorAll('section tbody tr')].map((row) => row.cells[0].textContent);
   const time = document.querySelectorAll('section thead th button')[2];
@@ -291,6 +298,8 @@ TEST_F(ComparePageInBrowser, LaysTwoPicturesOverEachOther) {
   EXPECT_EQ(seen["flip"], a);
   EXPECT_EQ(seen["held"], b);
   EXPECT_EQ(seen["released"], a);
+  EXPECT_EQ(seen["pressed"], b);
+  EXPECT_EQ(seen["left"], a);
   EXPECT_EQ(seen["difference"], "170 120 130");
   EXPECT_EQ(seen["zoomed"], true);
   EXPECT_EQ(seen["fitted"], true);

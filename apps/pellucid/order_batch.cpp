@@ -2,7 +2,6 @@
 #include "order_batch.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include <new>
 #include <set>
 
+#include "base/platform/platform.h"
 #include "terminal_progress.h"
 
 namespace pellucid::cli {
@@ -53,7 +53,7 @@ class Batch {
     }
     session_.set_file("");
     // The jobs have emptied it, unless some of them can go on from there.
-    if (!options_.checkpoint.empty()) ::rmdir(options_.checkpoint.c_str());
+    if (!options_.checkpoint.empty()) platform::remove_empty_folder(options_.checkpoint);
     finish();
   }
 

@@ -1,13 +1,11 @@
 // What the subcommands share: see session.h.
 #include "session.h"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 
+#include "base/platform/platform.h"
 #include "terminal_progress.h"
 
 namespace pellucid::cli {
@@ -82,16 +80,17 @@ void check_writable(const std::string& path) {
   const auto refuse = [&](const std::string& reason) {
     throw Error(ErrorKind::cannot_write, path + ": cannot write: " + reason);
   };
-  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) refuse("there is no folder " + folder);
-  if (std::filesystem::is_directory(path, ignored)) refuse("it is a directory");
+  const auto refuse_unless_writable = [&](const std::string& target) {
+    if (const std::error_code refusal = platform::write_refusal(target)) refuse(refusal.message());
+  };
+  const std::string parent = platform::to_utf8(platform::to_path(path).parent_path());
+  const std::string folder = parent.empty() ? "." : parent;
+  if (platform::file_kind(folder) != platform::FileKind::folder) refuse("there is no folder " + folder);
+  const platform::FileKind kind = platform::file_kind(path);
+  if (kind == platform::FileKind::folder) refuse("it is a directory");
   // A device is written into, a file is replaced: by another that is made in its folder.
-  const bool exists = std::filesystem::exists(path, ignored);
-  if (exists && ::access(path.c_str(), W_OK) != 0) refuse(std::strerror(errno));
-  const bool replaced = !exists || std::filesystem::is_regular_file(path, ignored);
-  if (replaced && ::access(folder.c_str(), W_OK | X_OK) != 0) refuse(std::strerror(errno));
+  if (kind != platform::FileKind::missing) refuse_unless_writable(path);
+  if (kind != platform::FileKind::device) refuse_unless_writable(folder);
 }
 
 int exit_code(ErrorKind kind) {

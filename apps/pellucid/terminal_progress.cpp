@@ -2,12 +2,12 @@
 #include "terminal_progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
+
+#include "base/platform/platform.h"
 
 namespace pellucid::cli {
 namespace {
@@ -16,11 +16,6 @@ constexpr std::chrono::milliseconds kRedrawEvery{100};
 constexpr int kBarCells = 24;
 
 std::atomic<bool> stop_flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-void raise_stop_flag(int /*signal*/) {
-  stop_flag = true;
-}
 
 std::string clock_text(double seconds) {
   const auto whole = std::llround(std::max(0.0, seconds));
@@ -34,7 +29,7 @@ std::string rate_text(double per_second) {
 }  // namespace
 
 TerminalProgress::TerminalProgress(bool wanted)
-    : wanted_(wanted), visible_(wanted && ::isatty(STDERR_FILENO) == 1) {
+    : wanted_(wanted), visible_(wanted && platform::stderr_is_terminal()) {
   if (visible_) drawer_ = std::thread([this] { keep_drawing(); });
 }
 
@@ -129,11 +124,7 @@ void TerminalProgress::draw() {
 }
 
 void install_stop_signals() {
-  struct sigaction action {};
-  action.sa_handler = raise_stop_flag;
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
+  platform::set_on_stop_signal(stop_flag);
 }
 
 void stop_if_signalled() {

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -16,6 +17,10 @@
 #include "pellucid/base.h"
 
 namespace pellucid {
+
+namespace platform {
+class FileLock;
+}
 
 // May be used for several meshes one after the other. load, save and remove may be called from several
 // threads at once.
@@ -52,7 +57,7 @@ class CheckpointStore {
 
   std::string folder_;
   Progress* progress_;
-  int lock_ = -1;
+  std::unique_ptr<platform::FileLock> lock_;
   std::set<std::string> runs_;  // begun here
 };
 

@@ -1,6 +1,4 @@
 // Models out as glTF, with their orders: see write_model in pellucid/asset.h and docs/file-format.md.
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
@@ -203,7 +201,8 @@ class ModelWriter {
       }
       write_file_atomically(path_, files.main);
     } catch (...) {
-      for (const std::string& name : created) ::unlink(name.c_str());
+      std::error_code ignored;
+      for (const std::string& name : created) fs::remove(name, ignored);
       throw;
     }
     return std::move(report_);

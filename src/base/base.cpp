@@ -1,8 +1,7 @@
-// What every room shares: see pellucid/base.h.
+// What all modules share: see pellucid/base.h.
 #include "pellucid/base.h"
 
-#include <sys/resource.h>
-#include <tbb/global_control.h>
+#include "base/platform/platform.h"
 
 namespace pellucid {
 
@@ -11,18 +10,7 @@ void stop_if_requested(const Progress* progress) {
 }
 
 std::uint64_t peak_rss_bytes() {
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;  // Linux reports kibibytes.
-}
-
-ThreadLimit::ThreadLimit(unsigned threads)
-    : control_(threads == 0
-                   ? nullptr
-                   : new tbb::global_control(tbb::global_control::max_allowed_parallelism, threads)) {}
-
-ThreadLimit::~ThreadLimit() {
-  delete static_cast<tbb::global_control*>(control_);
+  return platform::peak_rss_bytes();
 }
 
 }  // namespace pellucid

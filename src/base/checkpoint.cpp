@@ -1,23 +1,21 @@
 // Records of finished work in a folder: see pellucid/checkpoint.h.
 #include "pellucid/checkpoint.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
+
+#include "base/platform/platform.h"
 
 namespace pellucid {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::string_view kExtension = ".record";
 constexpr std::string_view kLockName = ".lock";
-// mkostemp() appends a dot and so many characters to the name of a file that is being written.
+// write_file_atomically() appends a dot and so many characters to the name of a file that is being written.
 constexpr std::size_t kTemporaryCharacters = 6;
 
 // What follows the bytes of a record in its file.
@@ -35,13 +33,18 @@ static_assert(sizeof(Trailer) == 3 * sizeof(std::uint64_t));
 std::vector<std::string> names_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
-  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+  for (fs::directory_iterator entry(platform::to_path(folder), error), end; !error && entry != end;
        entry.increment(error)) {
-    names.push_back(entry->path().filename().string());
+    names.push_back(platform::to_utf8(entry->path().filename()));
   }
   if (error) fail(folder, error.message());
   std::sort(names.begin(), names.end());
   return names;
+}
+
+void remove_file(const std::string& path) {
+  std::error_code ignored;
+  fs::remove(platform::to_path(path), ignored);
 }
 
 bool is_half_written(const std::string& name) {
@@ -56,7 +59,7 @@ std::uint64_t mixed(std::uint64_t x) {
 }
 
 std::uint64_t checksum_of(std::span<const std::byte> bytes, const std::string& path) {
-  const std::string name = std::filesystem::path(path).filename().string();
+  const std::string name = platform::to_utf8(platform::to_path(path).filename());
   return hash_bytes(bytes, hash_bytes(std::as_bytes(std::span(name)), 0));
 }
 
@@ -81,17 +84,17 @@ std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed) {
 
 CheckpointStore::CheckpointStore(std::string folder, Progress* progress)
     : folder_(std::move(folder)), progress_(progress) {
-  if (::mkdir(folder_.c_str(), 0777) != 0 && errno != EEXIST) fail(folder_, std::strerror(errno));
-  const std::string lock_path = folder_ + "/" + std::string(kLockName);
-  lock_ = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (lock_ < 0) fail(folder_, std::strerror(errno));
-  // Where a file system knows no locks, the user has to know what runs.
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    ::close(lock_);
-    fail(folder_, "another run is using this folder");
+  std::error_code error;
+  fs::create_directory(platform::to_path(folder_), error);
+  if (error && error != std::errc::file_exists) fail(folder_, error.message());
+  try {
+    lock_ = std::make_unique<platform::FileLock>(folder_ + "/" + std::string(kLockName));
+  } catch (const std::system_error& refused) {
+    const bool is_held = refused.code() == std::errc::resource_unavailable_try_again;
+    fail(folder_, is_held ? "another run is using this folder" : refused.code().message());
   }
   for (const std::string& name : names_in(folder_)) {
-    if (is_half_written(name)) ::unlink((folder_ + "/" + name).c_str());
+    if (is_half_written(name)) remove_file(folder_ + "/" + name);
   }
 }
 
@@ -100,11 +103,9 @@ CheckpointStore::~CheckpointStore() {
 }
 
 void CheckpointStore::leave() {
-  if (lock_ < 0) return;
-  ::unlink((folder_ + "/" + std::string(kLockName)).c_str());
-  ::close(lock_);
-  lock_ = -1;
-  ::rmdir(folder_.c_str());  // where nothing is left in it
+  if (lock_ == nullptr) return;
+  lock_.reset();
+  platform::remove_empty_folder(folder_);
 }
 
 void CheckpointStore::begin_run(const std::string& run) {
@@ -133,7 +134,7 @@ void CheckpointStore::begin_run(const std::string& run) {
 
 std::optional<std::vector<std::byte>> CheckpointStore::load(const std::string& run, const std::string& name) {
   const std::string path = path_of(run, name);
-  if (::access(path.c_str(), F_OK) != 0) return std::nullopt;
+  if (platform::file_kind(path) == platform::FileKind::missing) return std::nullopt;
   const auto damaged = [&](const std::string& reason) {
     if (progress_ != nullptr) progress_->note(path + ": " + reason + ": computed anew");
     return std::nullopt;
@@ -169,13 +170,13 @@ void CheckpointStore::refuse(const std::string& run, const std::string& name) {
 
 void CheckpointStore::remove_others(const std::string& run, const std::string& kept) {
   for (const std::string& path : records_of(run)) {
-    if (path != path_of(run, kept)) ::unlink(path.c_str());
+    if (path != path_of(run, kept)) remove_file(path);
   }
 }
 
 void CheckpointStore::finish() {
   for (const std::string& run : runs_) {
-    for (const std::string& path : records_of(run)) ::unlink(path.c_str());
+    for (const std::string& path : records_of(run)) remove_file(path);
   }
   runs_.clear();
   leave();

@@ -1,74 +1,58 @@
 // Whole files in and out: see pellucid/base.h.
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
+#include <filesystem>
 #include <random>
+#include <system_error>
 
+#include "base/platform/platform.h"
 #include "pellucid/base.h"
 
 namespace pellucid {
 namespace {
 
-std::string system_reason(int error) {
-  return std::strerror(error);
+[[noreturn]] void fail_to_write(const std::string& path, const std::error_code& error) {
+  throw Error(ErrorKind::cannot_write, path + ": cannot write: " + error.message());
 }
 
-// A file descriptor that closes itself, and a path that removes itself unless the file was kept.
-struct TemporaryFile {
-  int descriptor = -1;
-  std::string path;
+// The path of a file that is removed with the object. An empty one stands for none.
+struct TemporaryPath {
+  std::filesystem::path path;
 
-  TemporaryFile() = default;
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor >= 0) ::close(descriptor);
-    if (!path.empty()) ::unlink(path.c_str());
+  TemporaryPath() = default;
+  TemporaryPath(const TemporaryPath&) = delete;
+  TemporaryPath& operator=(const TemporaryPath&) = delete;
+  ~TemporaryPath() {
+    std::error_code ignored;
+    if (!path.empty()) std::filesystem::remove(path, ignored);
   }
 };
 
-[[noreturn]] void fail_to_write(const std::string& path, int error) {
-  throw Error(ErrorKind::cannot_write, path + ": cannot write: " + system_reason(error));
-}
-
-// A new file beside `path`, with the mode that open() gives: mkstemp() has another, and to ask for the umask
-// is to set it, for all threads. -1: errno.
-int open_beside(const std::string& path, std::string& name) {
+// Makes a new file beside `path`, which is removed with `temporary`.
+platform::File create_beside(const std::string& path, TemporaryPath& temporary) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+  constexpr int kAttempts = 100;
   std::random_device random;
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    name = path + ".";
+  for (int attempt = 1;; ++attempt) {
+    std::string name = path + ".";
     for (int i = 0; i < 6; ++i) name += kLetters[random() % kLetters.size()];
-    const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (descriptor >= 0 || errno != EEXIST) return descriptor;
-  }
-  return -1;
-}
-
-bool is_regular_or_missing(const std::string& path) {
-  struct stat info {};
-  return ::stat(path.c_str(), &info) != 0 || S_ISREG(info.st_mode);
-}
-
-void write_all(int descriptor, std::span<const std::byte> bytes, const std::string& path) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail_to_write(path, errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    try {
+      platform::File file = platform::File::create_new(name);
+      temporary.path = platform::to_path(name);
+      return file;
+    } catch (const std::system_error& error) {
+      if (error.code() != std::errc::file_exists || attempt == kAttempts) throw;
+    }
   }
 }
 
-// Devices and pipes (/dev/stdout, /dev/full) have no "whole or not at all": write straight into them.
-void write_in_place(const std::string& path, std::span<const std::byte> bytes) {
-  TemporaryFile file;
-  file.descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  if (file.descriptor < 0) fail_to_write(path, errno);
-  write_all(file.descriptor, bytes, path);
+void write_beside_and_replace(const std::string& path, std::span<const std::byte> bytes) {
+  TemporaryPath temporary;
+  {
+    platform::File file = create_beside(path, temporary);
+    file.write(bytes);
+    file.flush_to_disk();
+  }  // Windows renames no file that is open.
+  std::filesystem::rename(temporary.path, platform::to_path(path));
+  temporary.path.clear();
 }
 
 }  // namespace
@@ -77,50 +61,48 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t max_byte
   const auto fail = [&](const std::string& reason) -> Error {
     return {ErrorKind::bad_input, path + ": cannot read: " + reason};
   };
-  TemporaryFile file;  // never removed: its path stays empty
-  file.descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file.descriptor < 0) throw fail(system_reason(errno));
-  struct stat info {};
-  if (::fstat(file.descriptor, &info) != 0) throw fail(system_reason(errno));
-  if (S_ISDIR(info.st_mode)) throw fail("it is a directory");
-
-  // The size is a hint only: pipes and /proc files say 0.
-  std::vector<std::byte> bytes;
-  if (static_cast<std::uint64_t>(info.st_size) > max_bytes) throw fail("it is larger than the limit");
-  bytes.reserve(static_cast<std::size_t>(info.st_size));
-  constexpr std::size_t kChunk = 1U << 20U;
-  std::size_t used = 0;
-  for (;;) {
-    bytes.resize(used + kChunk);
-    const ssize_t got = ::read(file.descriptor, bytes.data() + used, kChunk);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw fail(system_reason(errno));
-    used += static_cast<std::size_t>(got);
-    if (got == 0) break;
-    if (used > max_bytes) throw fail("it is larger than the limit");
+  try {
+    platform::File file = platform::File::open_to_read(path);
+    // The size is a hint only: pipes and /proc files say 0.
+    std::vector<std::byte> bytes;
+    const std::uint64_t size = file.size();
+    if (size > max_bytes) throw fail("it is larger than the limit");
+    bytes.reserve(static_cast<std::size_t>(size));
+    constexpr std::size_t kChunk = 1U << 20U;
+    std::size_t used = 0;
+    for (;;) {
+      bytes.resize(used + kChunk);
+      const std::size_t got = file.read(std::span(bytes).subspan(used));
+      used += got;
+      if (got == 0) break;
+      if (used > max_bytes) throw fail("it is larger than the limit");
+    }
+    bytes.resize(used);
+    return bytes;
+  } catch (const std::system_error& error) {
+    throw fail(error.code() == std::errc::is_a_directory ? "it is a directory" : error.code().message());
   }
-  bytes.resize(used);
-  return bytes;
 }
 
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
-  if (!is_regular_or_missing(path)) {
-    struct stat info {};
-    if (::stat(path.c_str(), &info) == 0 && S_ISDIR(info.st_mode)) fail_to_write(path, EISDIR);
-    write_in_place(path, bytes);
-    return;
+  try {
+    switch (platform::file_kind(path)) {
+      case platform::FileKind::folder:
+        fail_to_write(path, std::make_error_code(std::errc::is_a_directory));
+      case platform::FileKind::device:
+        // Devices and pipes (/dev/stdout, /dev/full) have no "whole or not at all".
+        platform::File::open_to_write(path).write(bytes);
+        return;
+      case platform::FileKind::regular:
+        if (const std::error_code refusal = platform::write_refusal(path)) fail_to_write(path, refusal);
+        break;
+      case platform::FileKind::missing:
+        break;
+    }
+    write_beside_and_replace(path, bytes);
+  } catch (const std::system_error& error) {
+    fail_to_write(path, error.code());
   }
-  if (::access(path.c_str(), F_OK) == 0 && ::access(path.c_str(), W_OK) != 0) fail_to_write(path, errno);
-
-  TemporaryFile file;
-  std::string name;
-  file.descriptor = open_beside(path, name);
-  if (file.descriptor < 0) fail_to_write(path, errno);
-  file.path = name;
-  write_all(file.descriptor, bytes, path);
-  if (::fsync(file.descriptor) != 0 && errno != EINVAL) fail_to_write(path, errno);
-  if (::rename(name.c_str(), path.c_str()) != 0) fail_to_write(path, errno);
-  file.path.clear();
 }
 
 void write_file_atomically(const std::string& path, std::string_view text) {

@@ -1,10 +1,9 @@
 // What is wrong with a mesh, and the same mesh without it: see pellucid/mesh.h.
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "base/parallel.h"
 #include "mesh_predicates.h"
 #include "pellucid/mesh.h"
 
@@ -39,7 +38,7 @@ void mark_duplicates(const Mesh& mesh, const std::vector<std::uint32_t>& weld, s
     if (defects[i] == Defect::none) keys.emplace_back(canonical(mesh.triangles[i], weld), i);
   }
   // The triangle's number breaks ties: the first of equal triangles is the original.
-  tbb::parallel_sort(keys.begin(), keys.end());
+  parallel_sort(keys.begin(), keys.end());
   for (std::size_t k = 1; k < keys.size(); ++k) {
     if (keys[k].first == keys[k - 1].first) defects[keys[k].second] = Defect::duplicate;
   }
@@ -64,7 +63,7 @@ void count_edges(const Mesh& mesh, const std::vector<std::uint32_t>& weld, MeshR
       edges.push_back((std::uint64_t{low} << 32U) | high);
     }
   }
-  tbb::parallel_sort(edges.begin(), edges.end());
+  parallel_sort(edges.begin(), edges.end());
   for (auto begin = edges.begin(); begin != edges.end();) {
     const auto end = std::find_if(begin, edges.end(), [&](std::uint64_t edge) { return edge != *begin; });
     if (end - begin == 1) ++report.boundary_edges;

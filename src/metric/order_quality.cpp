@@ -1,7 +1,4 @@
 // order_quality.cpp - IPR and PSNR of ways of drawing over many viewpoints (In-Depth Buffers, section 7).
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -72,7 +69,7 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
   }
 
   begin_stage(options.progress, "measure", viewpoints.size());
-  tbb::enumerable_thread_specific<FragmentBuffer> buffers;
+  PerThread<FragmentBuffer> buffers;
   parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     stop_if_requested(options.progress);
     FragmentBuffer& buffer = buffers.local();
@@ -81,7 +78,7 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
     for (std::size_t m = 0; m < methods.size(); ++m) {
       std::vector<std::uint32_t> ranks;
       // Isolated: parallel work in there must not begin another frame on this thread's buffer.
-      tbb::this_task_arena::isolate([&] { ranks = methods[m].ranks(viewpoints[i]); });
+      run_isolated([&] { ranks = methods[m].ranks(viewpoints[i]); });
       qualities[m].frames[i] = frame_error(shaded, camera, buffer, ranks, options.shading);
     }
     advance_stage(options.progress, 1);

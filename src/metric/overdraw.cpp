@@ -1,9 +1,6 @@
 // overdraw.cpp - fragments shaded per covered pixel under an early depth test.
 #include "pellucid/overdraw.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
-
 #include "base/parallel.h"
 #include "pellucid/metric.h"
 
@@ -14,13 +11,13 @@ OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint>
                                     const std::function<std::span<const NodeId>(const Viewpoint&)>& choose) {
   const BoundingSphere sphere = bounding_sphere(mesh);
   std::vector<OverdrawStatistics> frames(viewpoints.size());
-  tbb::enumerable_thread_specific<FragmentBuffer> buffers;
+  PerThread<FragmentBuffer> buffers;
   parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     FragmentBuffer& buffer = buffers.local();
     rasterize(mesh, look_at_sphere(sphere, viewpoints[i], size, size), {Culling::back}, buffer);
     // Isolated: parallel work in there must not begin another frame on this thread's buffer.
     std::vector<std::uint32_t> ranks;
-    tbb::this_task_arena::isolate([&] { ranks = ranks_of(choose(viewpoints[i]), mesh.triangles.size()); });
+    run_isolated([&] { ranks = ranks_of(choose(viewpoints[i]), mesh.triangles.size()); });
     const std::size_t pixels = std::size_t{size} * size;
     for (std::size_t p = 0; p < pixels; ++p) {
       const std::uint64_t shaded =

@@ -1,8 +1,6 @@
 // Compact patches: see compact_patches.h.
 #include "compact_patches.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -195,7 +193,7 @@ class CompactPatches {
     const std::vector<WeightedList> weighted = weigh_lists(ordered.lists, views_);
     const std::vector<double> positions(ranks_.begin(), ranks_.end());
     // Every thread its own rows: they are made one at a time.
-    tbb::enumerable_thread_specific<LayerRows> rows(
+    PerThread<LayerRows> rows(
         [&] { return LayerRows(ordered.lists.pool, weighted, ordered.patches.parts, ranks_); });
     std::vector<std::vector<std::uint32_t>> of_patch(runs_.size());
     for (std::uint32_t i = 0; i < joins.size(); ++i) {
@@ -330,9 +328,9 @@ class CompactPatches {
   void move_batch(std::span<const std::uint32_t> batch, std::vector<std::uint32_t>& sizes,
                   std::vector<std::uint8_t>& changed, std::vector<std::uint32_t>& beside) {
     std::vector<Offers> offers(batch.size());
-    parallel_loop(tbb::blocked_range<std::size_t>(0, batch.size(), 64), [&](const auto& range) {
+    parallel_ranges(std::size_t{0}, batch.size(), 64, [&](std::size_t begin, std::size_t end) {
       Surroundings around;
-      for (std::size_t i = range.begin(); i < range.end(); ++i) offers[i] = offers_for(batch[i], around);
+      for (std::size_t i = begin; i < end; ++i) offers[i] = offers_for(batch[i], around);
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const std::uint32_t triangle = batch[i];
@@ -368,7 +366,7 @@ class CompactPatches {
   std::vector<WeightedList> weighted_;
   std::vector<std::uint64_t> offsets_;   // triangles + 1
   std::vector<std::uint32_t> lists_of_;  // indices into weighted_, by triangle
-  tbb::enumerable_thread_specific<RunFinder> finders_;
+  PerThread<RunFinder> finders_;
   Random random_;
   std::size_t most_size_ = 0;
   std::vector<std::uint32_t> patch_of_;           // by triangle

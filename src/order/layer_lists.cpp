@@ -1,8 +1,6 @@
 // Sequences of patches behind pixels: see layer_lists.h.
 #include "layer_lists.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <limits>
 
@@ -136,9 +134,8 @@ LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingS
                        const Patches& patches, std::span<const OverdrawView> views,
                        const ListOptions& options) {
   const PatchPlaces places = places_of(patches);
-  tbb::enumerable_thread_specific<PoseRaster> rasters(
-      [&] { return PoseRaster(subject, spheres, options.size); });
-  tbb::enumerable_thread_specific<LayerMaker> makers([&] { return LayerMaker(places); });
+  PerThread<PoseRaster> rasters([&] { return PoseRaster(subject, spheres, options.size); });
+  PerThread<LayerMaker> makers([&] { return LayerMaker(places); });
   LayerLists lists;
   // Blocks of views in parallel; their lists are numbered one view after the other.
   for (std::size_t begin = 0; begin < views.size(); begin += kViewsPerBlock) {

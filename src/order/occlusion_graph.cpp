@@ -1,8 +1,6 @@
 // The occlusion graph of every view cell: see occlusion_graph.h.
 #include "occlusion_graph.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -56,7 +54,6 @@ class GraphBuilder {
         views_(partition.samples.size() * views_per_sample_),
         counted_(views_.size(), 0),
         uses_left_(partition.samples.size(), 0),
-        scratch_([] { return OcclusionScratch{}; }),
         accumulators_(
             [n = mesh.triangles.size()] { return RowAccumulator(static_cast<std::uint32_t>(2 * n)); }) {
     for (const std::uint32_t sample : partition.cell_samples) ++uses_left_[sample];
@@ -224,8 +221,8 @@ class GraphBuilder {
       views_;  // by sample and distance; empty before its first use and after its last
   std::vector<std::uint8_t> counted_;  // by sample and distance: in the counts of a batch
   std::vector<std::uint32_t> uses_left_;
-  tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
-  tbb::enumerable_thread_specific<RowAccumulator> accumulators_;
+  PerThread<OcclusionScratch> scratch_;
+  PerThread<RowAccumulator> accumulators_;
   std::atomic<std::uint64_t> memory_taken_ = 0;  // by finished cells, bytes
   std::once_flag spill_once_;
   std::shared_ptr<SpillFile> spill_file_;  // null: everything was small enough
@@ -267,8 +264,7 @@ EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> c
   constexpr std::uint32_t kRowsPerBlock = 1024;
   const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
   std::vector<EdgeRows> parts(blocks);
-  tbb::enumerable_thread_specific<RowAccumulator> accumulators(
-      [&] { return RowAccumulator(graph.node_count); });
+  PerThread<RowAccumulator> accumulators([&] { return RowAccumulator(graph.node_count); });
   parallel_loop(std::uint32_t{0}, blocks, [&](std::uint32_t block) {
     RowAccumulator& accumulator = accumulators.local();
     const NodeId begin = block * kRowsPerBlock;

@@ -322,15 +322,15 @@ class Orderer {
     begin_stage(options_.progress, "sequences", clustering.cluster_count());
     std::vector<NodeSequence> sequences(clustering.cluster_count());
     std::vector<double> unavoidable(clustering.cluster_count(), 0.0);
-    // A few clusters at a time: the summed edges of one may take some 100 MB.
+    // A few clusters at a time: the summed edges of one may take some 100 MB. Each range works on one of
+    // them, and the simple partitioner makes the same few ranges for any number of threads.
     const std::uint32_t at_once =
         problem.graph.spilled ? clustering.cluster_count()
                               : (clustering.cluster_count() + kSequencesAtOnce - 1) / kSequencesAtOnce;
-    const tbb::blocked_range<std::uint32_t> clusters(0, clustering.cluster_count(), at_once);
-    parallel_loop(
-        clusters,
-        [&](const tbb::blocked_range<std::uint32_t>& some) {
-          for (std::uint32_t c = some.begin(); c < some.end(); ++c) {
+    parallel_ranges(
+        std::uint32_t{0}, clustering.cluster_count(), at_once,
+        [&](std::uint32_t begin, std::uint32_t end) {
+          for (std::uint32_t c = begin; c < end; ++c) {
             stop_if_requested(options_.progress);
             std::tie(sequences[c], unavoidable[c]) =
                 checkpointed(completion_, std::string("sequence-").append(std::to_string(c)),
@@ -338,7 +338,7 @@ class Orderer {
             advance_stage(options_.progress, 1);
           }
         },
-        tbb::simple_partitioner());
+        Partitioner::simple);
     // What the cells cannot avoid, their clusters cannot either.
     OrderStatistics& statistics = result_.statistics;
     statistics.violated_floor = share_of_weight(unavoidable_in_cells(problem.graph, clustering));

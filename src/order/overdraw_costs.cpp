@@ -68,8 +68,8 @@ std::vector<double> overdraw_table(const LayerLists& lists,
   for (std::size_t begin = 0; begin < orders; begin += kLanes) {
     const std::vector<RankRow> rows = side_by_side(ranks, begin);
     const std::size_t lanes = std::min(kLanes, orders - begin);
-    parallel_loop(tbb::blocked_range<std::uint32_t>(0, lists.pool.count(), 4096), [&](const auto& range) {
-      for (std::uint32_t i = range.begin(); i < range.end(); ++i) {
+    parallel_ranges(std::uint32_t{0}, lists.pool.count(), 4096, [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t i = first; i < last; ++i) {
         const RankRow shaded = shaded_in_lanes(lists.pool.list(i), rows);
         for (std::size_t lane = 0; lane < kLanes; ++lane)
           excess[i][lane] = static_cast<std::uint16_t>(std::min(shaded[lane] - 1, 65535U));

@@ -1,6 +1,4 @@
 // Overdraw of any orders on held-out pictures, by brute force: see pellucid/overdraw.h.
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 
 #include "base/parallel.h"
@@ -37,8 +35,7 @@ std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subje
   const std::vector<BoundingSphere> spheres = pose_spheres(subject);
   const std::vector<OverdrawView> views = pictures_of(subject, options);
   begin_stage(options.progress, "measure", views.size());
-  tbb::enumerable_thread_specific<PoseRaster> rasters(
-      [&] { return PoseRaster(subject, spheres, options.size); });
+  PerThread<PoseRaster> rasters([&] { return PoseRaster(subject, spheres, options.size); });
   std::vector<double> ratios(views.size() * contenders.size(), 0.0);  // 0: nothing was seen
   parallel_loop(std::size_t{0}, views.size(), [&](std::size_t v) {
     stop_if_requested(options.progress);

@@ -9,8 +9,6 @@
 //     original reasons about whole regions of space;
 //   - copies: nodes are split where a sifted order contradicts an occlusion, by the plane that bounds the
 //     occlusion and leaves least contradicted; a copy may need several planes.
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -64,8 +62,7 @@ class ListBuilder {
         sphere_(bounding_sphere(mesh)),
         partition_(make_partition(options.partition)),
         distances_(options.distances.empty() ? default_distances() : options.distances),
-        scene_{mesh, sphere_, unit_positions(mesh, sphere_), options.facing == Facing::single, 0, 0},
-        scratch_([] { return OcclusionScratch{}; }) {}
+        scene_{mesh, sphere_, unit_positions(mesh, sphere_), options.facing == Facing::single, 0, 0} {}
 
   PresortedLists build() {
     PresortedLists result;
@@ -167,7 +164,7 @@ class ListBuilder {
   ViewPartition partition_;
   std::vector<double> distances_;
   OcclusionScene scene_;
-  tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
+  PerThread<OcclusionScratch> scratch_;
 };
 
 }  // namespace

@@ -1,9 +1,6 @@
 // Repair of orders that were carried from a simplified mesh to the full one: see refine.h.
 #include "refine.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <limits>
 #include <tuple>
@@ -56,9 +53,10 @@ class EdgeCollection {
 
  private:
   void merge() {
+    // No two keys are equal: a view shows an edge once, and the merged sums hold it once.
     const auto key = [](const SeenEdge& e) { return std::tuple(e.front, e.back, e.view); };
-    tbb::parallel_sort(edges_.begin(), edges_.end(),
-                       [&](const SeenEdge& a, const SeenEdge& b) { return key(a) < key(b); });
+    parallel_sort(edges_.begin(), edges_.end(),
+                  [&](const SeenEdge& a, const SeenEdge& b) { return key(a) < key(b); });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < edges_.size();) {
       SeenEdge sum = edges_[i];
@@ -224,8 +222,8 @@ class Refiner {
   std::uint32_t node_count_;
   std::vector<std::vector<std::uint32_t>> clusters_of_sample_;
   std::size_t distances_per_sample_ = 1;
-  tbb::enumerable_thread_specific<OcclusionScratch> scratch_;
-  tbb::enumerable_thread_specific<ViewpointEdges> edges_;
+  PerThread<OcclusionScratch> scratch_;
+  PerThread<ViewpointEdges> edges_;
 };
 
 // Numbers things in the order in which they are first asked for.

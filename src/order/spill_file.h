@@ -2,11 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
 
 namespace pellucid {
+
+namespace platform {
+class File;
+}
 
 // Words in a file without a name, in $TMPDIR, else /tmp: it is gone with the program, however that ends.
 // Throws Error{cannot_write} naming the folder and the reason. Calls from several threads are safe.
@@ -22,7 +27,7 @@ class SpillFile {
 
  private:
   std::string folder_;
-  int file_ = -1;
+  std::unique_ptr<platform::File> file_;
   std::mutex mutex_;
   std::uint64_t end_ = 0;  // words
 };

@@ -2,8 +2,6 @@
 //
 // Cutting cannot make a viewpoint cyclic: an edge between pieces is an edge between their triangles, and
 // pieces of one triangle do not overlap. So a viewpoint without cycles needs no second look.
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -113,7 +111,7 @@ class CycleSplitter {
     const OcclusionScene scene = scene_of(mesh);
     std::vector<std::vector<TriangleCut>> cuts(cyclic.size());
     std::vector<std::uint8_t> has_cycles(cyclic.size(), 0);
-    tbb::enumerable_thread_specific<Local> locals;
+    PerThread<Local> locals;
     parallel_loop(std::size_t{0}, cyclic.size(), [&](std::size_t i) {
       stop_if_requested(options_.progress);
       Local& local = locals.local();

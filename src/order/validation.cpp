@@ -1,8 +1,6 @@
 // The error of orders as pixels see it: see validation.h.
 #include "validation.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -45,7 +43,7 @@ PictureError measure_picture_error(const Mesh& mesh, const BoundingSphere& spher
   const Mesh& shaded = with_normals.normals.empty() ? mesh : with_normals;
 
   std::vector<FrameError> frames(viewpoints.size());
-  tbb::enumerable_thread_specific<FragmentBuffer> buffers;
+  PerThread<FragmentBuffer> buffers;
   parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     stop_if_requested(options.progress);
     FragmentBuffer& fragments = buffers.local();

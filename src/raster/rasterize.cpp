@@ -1,6 +1,4 @@
 // rasterize.cpp - the way from a mesh to its fragments: project, cover, list.
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <limits>
 
@@ -52,18 +50,17 @@ RasterMemory& memory_of(FragmentBuffer& out) {
 
 void project_all(const raster::Projection& projection, const Mesh& mesh, RasterMemory& memory) {
   memory.vertices.resize(mesh.positions.size());
-  parallel_loop(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), kVerticesPerTask),
-                [&](const tbb::blocked_range<std::size_t>& range) {
-                  raster::project(projection, std::span(mesh.positions).subspan(range.begin(), range.size()),
-                                  std::span(memory.vertices).subspan(range.begin(), range.size()));
-                });
+  parallel_ranges(std::size_t{0}, mesh.positions.size(), kVerticesPerTask,
+                  [&](std::size_t begin, std::size_t end) {
+                    raster::project(projection, std::span(mesh.positions).subspan(begin, end - begin),
+                                    std::span(memory.vertices).subspan(begin, end - begin));
+                  });
 }
 
 void make_spans(const raster::Projection& projection, const Mesh& mesh, const Bands& bands, Culling culling,
                 RasterMemory& memory) {
   const std::size_t triangles = mesh.triangles.size();
-  const auto workers = static_cast<std::size_t>(std::max(tbb::this_task_arena::max_concurrency(), 1));
-  const std::size_t count = std::clamp<std::size_t>(triangles / kMinTrianglesPerPart, 1, 4 * workers);
+  const std::size_t count = std::clamp<std::size_t>(triangles / kMinTrianglesPerPart, 1, 4 * max_threads());
   memory.parts.resize(count);
   parallel_loop(std::size_t{0}, count, [&](std::size_t part) {
     memory.parts[part].reset(bands);
@@ -80,13 +77,12 @@ void make_lists(const Bands& bands, std::span<const BandedSpans> parts, Fragment
   out.offsets.resize(std::size_t{bands.width} * bands.height + 1);
   out.offsets.back() = first.back();
   out.fragments.resize(first.back());
-  parallel_loop(tbb::blocked_range<std::uint32_t>(0, bands.count),
-                [&](const tbb::blocked_range<std::uint32_t>& range) {
-                  std::vector<std::int32_t> counters;
-                  for (std::uint32_t band = range.begin(); band != range.end(); ++band) {
-                    raster::fill_band(bands, band, parts, first[band], counters, out);
-                  }
-                });
+  parallel_ranges(std::uint32_t{0}, bands.count, 1, [&](std::uint32_t begin, std::uint32_t end) {
+    std::vector<std::int32_t> counters;
+    for (std::uint32_t band = begin; band != end; ++band) {
+      raster::fill_band(bands, band, parts, first[band], counters, out);
+    }
+  });
 }
 
 }  // namespace
@@ -106,7 +102,7 @@ void rasterize(const Mesh& mesh, const Camera& camera, const RasterOptions& opti
   out.height = camera.height;
   // Isolated: a thread that waits here must not begin another frame of the caller, whose buffers it may
   // share.
-  tbb::this_task_arena::isolate([&] {
+  run_isolated([&] {
     project_all(projection, mesh, memory);
     make_spans(projection, mesh, bands, options.culling, memory);
     make_lists(bands, memory.parts, out);

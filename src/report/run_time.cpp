@@ -1,8 +1,8 @@
 // What a renderer does on the CPU in every frame, timed: see contender.h.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
+#include "base/platform/platform.h"
 #include "contender.h"
 #include "pellucid/runtime/select.h"
 
@@ -11,13 +11,8 @@ namespace {
 
 constexpr std::size_t kTimedViewpoints = 32;
 constexpr double kLeastPassSeconds = 2e-3;  // far above the clock's own cost
+constexpr double kLeastPassSteps = 20;      // of the clock, which has long ones on Windows
 constexpr int kPasses = 5;
-
-double thread_cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // What select.h reads, as a file stores it but for the width of its entries.
 struct SelectionTable {
@@ -73,15 +68,17 @@ double nanoseconds_per_frame(const std::function<std::uint64_t(const Viewpoint&)
   const std::span<const Viewpoint> timed = viewpoints.first(std::min(viewpoints.size(), kTimedViewpoints));
   volatile std::uint64_t sink = 0;  // or the compiler may leave the work out
   const auto pass = [&](std::uint64_t repetitions) {
-    const double start = thread_cpu_seconds();
+    const double start = platform::thread_cpu_seconds();
     for (std::uint64_t r = 0; r < repetitions; ++r) {
       for (const Viewpoint& view : timed) sink = sink + work(view);
     }
-    return thread_cpu_seconds() - start;
+    return platform::thread_cpu_seconds() - start;
   };
+  const double least_pass =
+      std::max(kLeastPassSeconds, kLeastPassSteps * platform::thread_cpu_step_seconds());
   std::uint64_t repetitions = 1;
   double least = pass(repetitions);  // also warms the caches
-  while (least < kLeastPassSeconds && repetitions < (std::uint64_t{1} << 30U)) {
+  while (least < least_pass && repetitions < (std::uint64_t{1} << 30U)) {
     repetitions *= 2;
     least = pass(repetitions);
   }

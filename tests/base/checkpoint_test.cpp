@@ -2,16 +2,18 @@
 #include "pellucid/checkpoint.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
+
+#include "temporary_folder.h"
 
 namespace pellucid {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::slurp;
+using testing::spill;
 
 const std::string kRun(32, 'a');
 const std::string kOtherRun(32, 'b');
@@ -26,22 +28,12 @@ class Notes final : public Progress {
 
 class CheckpointFolder : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "pellucid-records-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    parent = name;
-    folder = name + "/records";
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::permissions(parent, fs::perms::owner_all, ignored);
-    fs::remove_all(parent, ignored);
-  }
   [[nodiscard]] std::string record(const std::string& name, const std::string& run = kRun) const {
     return folder + "/" + name + "." + run + ".record";
   }
 
-  std::string parent, folder;
+  const testing::TemporaryFolder parent;
+  const std::string folder = parent.path("records");
   Notes notes;
 };
 
@@ -50,14 +42,6 @@ std::vector<std::byte> some_bytes(std::size_t size) {
   std::vector<std::byte> bytes(size);
   for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.next());
   return bytes;
-}
-
-std::string slurp(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-void spill(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
 }
 
 TEST_F(CheckpointFolder, GivesBackWhatWasSaved) {

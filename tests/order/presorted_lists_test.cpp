@@ -1,6 +1,5 @@
 // Depth-presorted lists against the raster, from the viewpoints that they are made for and between them.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "order_helpers.h"
 #include "pellucid/raster.h"
@@ -154,8 +153,8 @@ TEST(PresortedLists, GiveUpAtTheirLimits) {
 
 TEST(PresortedLists, SameListsForAnyNumberOfThreads) {
   const Mesh mesh = testing::random_soup(60, 0.5, 8);
-  const auto build = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const auto build = [&](unsigned threads) {
+    const ThreadLimit limit(threads);
     return build_presorted_lists(mesh, quick_options(2));
   };
   const PresortedLists a = build(1);

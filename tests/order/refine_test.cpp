@@ -2,7 +2,6 @@
 #include "refine.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "budget.h"
 #include "linear_order.h"
@@ -92,8 +91,8 @@ TEST(Refine, ReturnsEdgesThatAgreeAndSpanLessThanAWindow) {
 
 TEST(Refine, SameForAnyNumberOfThreads) {
   const Carried carried = nearly_right_orders(0.05);
-  const auto refined = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const auto refined = [&](unsigned threads) {
+    const ThreadLimit limit(threads);
     std::vector<std::vector<std::uint32_t>> ranks = carried.ranks;
     refine_orders(carried.mesh, carried.sphere, carried.spec, carried.cluster_of, quick_refinement(), ranks);
     return ranks;

@@ -50,6 +50,10 @@ bool delivers_all(const std::string& technique) {
 }  // namespace
 
 void check_deep(const CapturePicture& picture) {
+  if (!picture.deep.empty() && !can_write_deep_exr()) {
+    throw Error(ErrorKind::bad_argument,
+                "--deep: this build of pellucid cannot write OpenEXR (PELLUCID_OPENEXR is off)");
+  }
   if (!delivers_all(picture.options.technique)) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--deep and --pixel want all fragments, which --technique {} does not deliver: "

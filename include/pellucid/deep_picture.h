@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pellucid/order.h"
 #include "pellucid/raster.h"
 #include "pellucid/render.h"
 
@@ -38,5 +39,9 @@ DeepPicture make_deep_picture(const RenderResult& result, const RenderScene& sce
 // and `node`; both count from 0. Same picture, same bytes. The file appears whole or not at all. Throws
 // Error{cannot_write}.
 void write_deep_exr(const DeepPicture& picture, const std::string& path);
+
+// Returns false in a build without OpenEXR (PELLUCID_OPENEXR), where write_deep_exr() throws
+// Error{bad_argument}.
+bool can_write_deep_exr();
 
 }  // namespace pellucid

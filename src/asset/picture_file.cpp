@@ -1,21 +1,24 @@
 // Pictures: see picture_file.h. PNG by libpng's simplified interface, JPEG by libjpeg.
 #include "picture_file.h"
 
-#include <jpeglib.h>
 #include <png.h>
 
 #include <algorithm>
 #include <array>
-#include <csetjmp>
 #include <cstring>
+
+#ifdef PELLUCID_WITH_JPEG
+#include <jpeglib.h>
+
+#include <csetjmp>
+#include <cstdio>  // jpeglib.h needs it
+#endif
 
 namespace pellucid {
 namespace {
 
 constexpr std::array<unsigned char, 8> kPngBegins{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 constexpr std::array<unsigned char, 3> kJpegBegins{0xFF, 0xD8, 0xFF};
-// What libjpeg may allocate beside the picture: progressive files are held as coefficients.
-constexpr long kMostJpegMemory = 1L << 30;
 
 template <std::size_t count>
 bool begins_with(std::span<const std::byte> file, const std::array<unsigned char, count>& bytes) {
@@ -53,6 +56,11 @@ Picture decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
     throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
   return picture;
 }
+
+#ifdef PELLUCID_WITH_JPEG
+
+// What libjpeg may allocate beside the picture: progressive files are held as coefficients.
+constexpr long kMostJpegMemory = 1L << 30;
 
 // libjpeg leaves errors by longjmp: nothing with a destructor lives between there and here.
 struct JpegReader {
@@ -125,6 +133,14 @@ Picture decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels) {
   for (std::size_t i = 0; i < texels; ++i) std::copy_n(&rgb[3 * i], 3, &picture.rgba[4 * i]);
   return picture;
 }
+
+#else
+
+Picture decode_jpeg(std::span<const std::byte> /*file*/, std::uint64_t /*max_texels*/) {
+  throw PictureError("it is a JPEG, and this build of pellucid cannot read JPEG (PELLUCID_JPEG is off)");
+}
+
+#endif
 
 }  // namespace
 

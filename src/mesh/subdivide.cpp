@@ -2,9 +2,11 @@
 // because it does not promise anything sensible about others.
 #include "pellucid/subdivide.h"
 
+#ifdef PELLUCID_WITH_OPENSUBDIV
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
+#endif
 
 #include <memory>
 
@@ -13,10 +15,12 @@
 namespace pellucid {
 namespace {
 
+constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28U;
+
+#ifdef PELLUCID_WITH_OPENSUBDIV
+
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
-
-constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28U;
 
 std::unique_ptr<Far::TopologyRefiner> refine(const ManifoldPieces& pieces, std::uint32_t levels) {
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
@@ -87,6 +91,21 @@ void copy_stencils(const Far::TopologyRefiner& refiner, const ManifoldPieces& pi
   result.weights = table->GetWeights();
 }
 
+void subdivide_pieces(const ManifoldPieces& pieces, std::uint32_t levels, Subdivision& result) {
+  const auto refiner = refine(pieces, levels);
+  copy_triangles(*refiner, pieces, levels, result);
+  copy_stencils(*refiner, pieces, result);
+}
+
+#else
+
+void subdivide_pieces(const ManifoldPieces& /*pieces*/, std::uint32_t /*levels*/, Subdivision& /*result*/) {
+  throw Error(ErrorKind::bad_argument,
+              "subdivision: this build of pellucid cannot subdivide (PELLUCID_OPENSUBDIV is off)");
+}
+
+#endif
+
 void copy_control_mesh(const ManifoldPieces& pieces, Subdivision& result) {
   result.triangles = pieces.triangles;
   result.source = pieces.source;
@@ -114,9 +133,7 @@ Subdivision subdivide_loop(std::span<const Triangle> triangles, std::span<const 
     copy_control_mesh(pieces, result);
     return result;
   }
-  const auto refiner = refine(pieces, levels);
-  copy_triangles(*refiner, pieces, levels, result);
-  copy_stencils(*refiner, pieces, result);
+  subdivide_pieces(pieces, levels, result);
   return result;
 }
 

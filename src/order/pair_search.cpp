@@ -28,7 +28,7 @@ namespace pellucid {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#include "each_lane.h"
+#include "each_lane-inl.h"
 
 // Append the overlapping pairs of one grid cell that are this cell's to report.
 void pairs_in_cell(const CellEntries& cell, std::vector<CandidatePair>& pairs) {

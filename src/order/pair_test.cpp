@@ -16,7 +16,7 @@ namespace pellucid {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#include "each_lane.h"
+#include "each_lane-inl.h"
 #include "pair_test_kernel.h"
 
 constexpr hn::ScalableTag<float> kFloats;

@@ -1,7 +1,11 @@
 // From the order of a simplified mesh to an order of the full one: see upsample.h.
 #include "upsample.h"
 
+#if PELLUCID_EMBREE_VERSION == 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <algorithm>
 #include <cmath>

@@ -1,16 +1,18 @@
 // All fragments of every pixel: see pellucid/deep_picture.h.
 #include "pellucid/deep_picture.h"
 
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#ifdef PELLUCID_WITH_OPENEXR
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
 #include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfPartType.h>
-
-#include <algorithm>
-#include <cstring>
-#include <numeric>
+#endif
 
 namespace pellucid {
 namespace {
@@ -21,6 +23,42 @@ float distance_of(float depth, const Camera& camera) {
   const double d = static_cast<double>(depth);
   return static_cast<float>(camera.perspective ? n * f / (f - d * (f - n)) : n + d * (f - n));
 }
+
+}  // namespace
+
+std::span<const DeepFragment> DeepPicture::at(std::uint32_t x, std::uint32_t y) const {
+  const std::size_t p = std::size_t{y} * width + x;
+  return std::span(fragments).subspan(offsets[p], offsets[p + 1] - offsets[p]);
+}
+
+DeepPicture make_deep_picture(const RenderResult& result, const RenderScene& scene, const Camera& camera) {
+  const CapturedFragments& captured = result.fragments;
+  const std::size_t pixels = std::size_t{result.width} * result.height;
+  if (captured.offsets.size() != pixels + 1 || captured.colors.size() != captured.fragments.size())
+    throw Error(ErrorKind::bad_argument, "a deep picture needs fragments with colours, one sample a pixel");
+  DeepPicture picture{result.width, result.height, captured.offsets, {}};
+  std::vector<std::size_t> places;
+  for (std::size_t p = 0; p < pixels; ++p) {
+    places.resize(captured.offsets[p + 1] - captured.offsets[p]);
+    std::iota(places.begin(), places.end(), captured.offsets[p]);
+    // Techniques that peel from both ends deliver the far half otherwise.
+    std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
+      const Fragment& x = captured.fragments[a];
+      const Fragment& y = captured.fragments[b];
+      return x.depth < y.depth || (x.depth == y.depth && x.node < y.node);
+    });
+    for (const std::size_t i : places) {
+      const Fragment& f = captured.fragments[i];
+      picture.fragments.push_back({f.depth, distance_of(f.depth, camera), f.node,
+                                   scene.objects[triangle_of(f.node)], captured.colors[i]});
+    }
+  }
+  return picture;
+}
+
+#ifdef PELLUCID_WITH_OPENEXR
+
+namespace {
 
 // A file that is still in memory, so that it can be written whole or not at all.
 class MemoryStream final : public Imf::OStream {
@@ -73,34 +111,8 @@ std::vector<Value> each(const DeepPicture& picture, const Of& of) {
 
 }  // namespace
 
-std::span<const DeepFragment> DeepPicture::at(std::uint32_t x, std::uint32_t y) const {
-  const std::size_t p = std::size_t{y} * width + x;
-  return std::span(fragments).subspan(offsets[p], offsets[p + 1] - offsets[p]);
-}
-
-DeepPicture make_deep_picture(const RenderResult& result, const RenderScene& scene, const Camera& camera) {
-  const CapturedFragments& captured = result.fragments;
-  const std::size_t pixels = std::size_t{result.width} * result.height;
-  if (captured.offsets.size() != pixels + 1 || captured.colors.size() != captured.fragments.size())
-    throw Error(ErrorKind::bad_argument, "a deep picture needs fragments with colours, one sample a pixel");
-  DeepPicture picture{result.width, result.height, captured.offsets, {}};
-  std::vector<std::size_t> places;
-  for (std::size_t p = 0; p < pixels; ++p) {
-    places.resize(captured.offsets[p + 1] - captured.offsets[p]);
-    std::iota(places.begin(), places.end(), captured.offsets[p]);
-    // Techniques that peel from both ends deliver the far half otherwise.
-    std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
-      const Fragment& x = captured.fragments[a];
-      const Fragment& y = captured.fragments[b];
-      return x.depth < y.depth || (x.depth == y.depth && x.node < y.node);
-    });
-    for (const std::size_t i : places) {
-      const Fragment& f = captured.fragments[i];
-      picture.fragments.push_back({f.depth, distance_of(f.depth, camera), f.node,
-                                   scene.objects[triangle_of(f.node)], captured.colors[i]});
-    }
-  }
-  return picture;
+bool can_write_deep_exr() {
+  return true;
 }
 
 void write_deep_exr(const DeepPicture& picture, const std::string& path) {
@@ -140,5 +152,18 @@ void write_deep_exr(const DeepPicture& picture, const std::string& path) {
   }
   write_file_atomically(path, std::string_view(stream.data()));
 }
+
+#else
+
+bool can_write_deep_exr() {
+  return false;
+}
+
+void write_deep_exr(const DeepPicture& /*picture*/, const std::string& path) {
+  throw Error(ErrorKind::bad_argument,
+              path + ": this build of pellucid cannot write OpenEXR (PELLUCID_OPENEXR is off)");
+}
+
+#endif
 
 }  // namespace pellucid

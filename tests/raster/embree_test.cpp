@@ -1,5 +1,9 @@
-// The independent witness: Embree 3 rays through pixel centres must meet the triangles that the raster lists.
+// The independent witness: Embree's rays through pixel centres must meet the triangles that the raster lists.
+#if PELLUCID_EMBREE_VERSION == 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -16,9 +20,26 @@ using testing::wrinkled_sphere;
 
 // Gathers every triangle that a ray meets, nearest or not.
 struct AllHits {
+#if PELLUCID_EMBREE_VERSION == 4
+  RTCRayQueryContext context;
+#else
   RTCIntersectContext context;
+#endif
   std::vector<std::uint32_t> nodes;
 };
+
+void intersect(RTCScene scene, AllHits& all, RTCRayHit& ray) {
+#if PELLUCID_EMBREE_VERSION == 4
+  rtcInitRayQueryContext(&all.context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &all.context;
+  rtcIntersect1(scene, &ray, &arguments);
+#else
+  rtcInitIntersectContext(&all.context);
+  rtcIntersect1(scene, &all.context, &ray);
+#endif
+}
 
 void gather(const RTCFilterFunctionNArguments* arguments) {
   auto* all = reinterpret_cast<AllHits*>(arguments->context);
@@ -77,8 +98,7 @@ class Witness {
     ray.ray.mask = ~0U;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     AllHits all{};
-    rtcInitIntersectContext(&all.context);
-    rtcIntersect1(scene_, &all.context, &ray);
+    intersect(scene_, all, ray);
     std::sort(all.nodes.begin(), all.nodes.end());
     return all.nodes;
   }

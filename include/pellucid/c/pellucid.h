@@ -27,7 +27,11 @@
 
 #include "pellucid/runtime/select.h"
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(PELLUCID_BUILDS_C_LIBRARY)
+#define PELLUCID_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PELLUCID_API __declspec(dllimport)
+#elif defined(__GNUC__)
 #define PELLUCID_API __attribute__((visibility("default")))
 #else
 #define PELLUCID_API

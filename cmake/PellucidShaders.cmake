@@ -136,7 +136,7 @@ function(pellucid_shaders target)
   endforeach()
   configure_file(${PROJECT_SOURCE_DIR}/cmake/shader_table.cpp.in ${folder}/shader_table.cpp @ONLY)
   set_source_files_properties(${folder}/shader_table.cpp PROPERTIES OBJECT_DEPENDS "${outputs}" SKIP_UNITY_BUILD_INCLUSION ON
-    COMPILE_OPTIONS "-O0;-fno-sanitize=all")
+    COMPILE_OPTIONS "$<${gnu_like}:-O0;-fno-sanitize=all>")
   target_sources(${target} PRIVATE ${folder}/shader_table.cpp)
   target_include_directories(${target} PRIVATE ${folder})
 endfunction()

@@ -3,6 +3,12 @@ include(GoogleTest)
 set(PELLUCID_MODELS "${PROJECT_SOURCE_DIR}/../shared/models" CACHE PATH
   "Folder of development models (static/, animated/, scenes/); tests that need a missing one are skipped")
 
+# The mathematics of C, where it is a library of its own.
+set(PELLUCID_LIBM "")
+if(NOT MSVC)
+  set(PELLUCID_LIBM m)
+endif()
+
 # A shader that one test program has compiled for a CPU driver is not compiled again by the others.
 set(PELLUCID_SHADER_CACHE MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader_cache)
 

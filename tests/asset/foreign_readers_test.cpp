@@ -314,7 +314,7 @@ class DevModels : public testing::TestWithParam<DevModel> {};
 
 TEST_P(DevModels, HasTheTrianglesItsTableStates) {
   const std::string path = std::string(PELLUCID_MODELS) + "/" + GetParam().file;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "dev model missing: " << path;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "development model missing: " << path;
   std::uint64_t triangles = 0;
   for (const Primitive& primitive : read_model(path).primitives) {
     EXPECT_EQ(check(primitive.mesh).out_of_range, 0U);
@@ -338,11 +338,16 @@ INSTANTIATE_TEST_SUITE_P(
         DevModel{"static/motorbike_332k.ply", 331653}, DevModel{"scenes/chandelier-lamp.obj", 133112},
         DevModel{"scenes/kitchenblender.obj", 108232}, DevModel{"scenes/flacon.obj", 10648},
         DevModel{"scenes/beerGlass.obj", 9836}, DevModel{"scenes/red-wine-bottle-01.obj", 6668},
-        DevModel{"scenes/concept-sedan-02.obj", 124188}, DevModel{"scenes/copperBeech.obj", 187308}));
+        DevModel{"scenes/concept-sedan-02.obj", 124188}, DevModel{"scenes/copperBeech.obj", 187308}),
+    [](const testing::TestParamInfo<DevModel>& info) {
+      std::string name = std::filesystem::path(info.param.file).stem().string();
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
 
 TEST(DevModels, MeshlabsTransparencyOfOneMeansOpaque) {
   const std::string path = std::string(PELLUCID_MODELS) + "/static/fuze_bottle_1k.obj";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "dev model missing: " << path;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "development model missing: " << path;
   EXPECT_EQ(read_model(path).primitives.at(0).base_color[3], 1.0F);
 }
 

@@ -21,7 +21,7 @@ Bytes binary_chunk(const std::string& path) {
 }
 
 TEST(PassThrough, RealFilesLoseNothing) {
-  if (!fs::is_directory(PELLUCID_MODELS)) GTEST_SKIP() << "no dev models at " << PELLUCID_MODELS;
+  if (!fs::is_directory(PELLUCID_MODELS)) GTEST_SKIP() << "development model missing: " << PELLUCID_MODELS;
   const TempFolder folder;
   int files = 0;
   for (const auto& entry : fs::recursive_directory_iterator(PELLUCID_MODELS)) {
@@ -40,7 +40,7 @@ TEST(PassThrough, RealFilesLoseNothing) {
 
 TEST(PassThrough, RealFilesTakeOrdersAndLoseThemAgain) {
   const std::string source = std::string(PELLUCID_MODELS) + "/scenes/fusion_shells.glb";
-  if (!fs::exists(source)) GTEST_SKIP() << "no dev model " << source;
+  if (!fs::exists(source)) GTEST_SKIP() << "development model missing: " << source;
   const TempFolder folder;
   const Model model = read_model(source);
   Random random(1);

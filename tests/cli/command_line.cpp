@@ -94,6 +94,12 @@ Finished signal_pellucid_when(const Arguments& arguments, int signal, const std:
   return collect(status, folder.file("out"), folder.file("err"));
 }
 
+bool has_terminals() {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal >= 0) ::close(terminal);
+  return terminal >= 0;
+}
+
 Finished run_on_terminal(const Arguments& arguments) {
   const TemporaryFolder folder;
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);

@@ -31,6 +31,9 @@ Finished interrupt_pellucid(const Arguments& arguments, int signal, double ready
 // Start, send `signal` as soon as `ready` says so, wait. It may finish before.
 Finished signal_pellucid_when(const Arguments& arguments, int signal, const std::function<bool()>& ready);
 
+// Whether the system has pseudo terminals, which a container without /dev/pts does not.
+bool has_terminals();
+
 // stderr is a terminal: `err` is all that was drawn on it.
 Finished run_on_terminal(const Arguments& arguments);
 

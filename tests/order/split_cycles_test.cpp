@@ -157,7 +157,7 @@ TEST(SplitUnordered, IsTheSameForAnyNumberOfThreads) {
 
 TEST(SplitUnordered, LowersTheErrorOfPartsThatInterpenetrate) {
   const std::string path = std::string(PELLUCID_MODELS) + "/static/teapot_6k.obj";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no dev model " << path;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "development model missing: " << path;
   const Mesh mesh = testing::read_plain_obj(path);
   const SplitResult result = split_unordered(mesh, {});
   EXPECT_GT(result.intersecting_pairs, 100U);

@@ -323,7 +323,7 @@ TEST(ExactEdges, HoldTheRastersOrderOfASample) {
 TEST(ExactEdges, HoldTheRastersOrderOfAScan) {
   const std::string path = std::string(PELLUCID_MODELS) + "/static/bunny_10k.obj";
   const Mesh bunny = testing::read_plain_obj(path);
-  if (bunny.triangles.empty()) GTEST_SKIP() << path << " is not here";
+  if (bunny.triangles.empty()) GTEST_SKIP() << "development model missing: " << path;
   expect_the_raster_agrees(simplify(bunny, 2000));
 }
 

@@ -173,7 +173,7 @@ Mesh read_plain_obj(std::istream& in) {
 
 TEST(AgainstEmbree, BunnyAndItsLayers) {
   std::ifstream file(PELLUCID_MODELS "/static/bunny_10k.obj");
-  if (!file) GTEST_SKIP() << "no dev model " PELLUCID_MODELS "/static/bunny_10k.obj";
+  if (!file) GTEST_SKIP() << "development model missing: " PELLUCID_MODELS "/static/bunny_10k.obj";
   const Mesh mesh = read_plain_obj(file);
   ASSERT_EQ(mesh.triangles.size(), 10000U);
   const BoundingSphere sphere = bounding_sphere(mesh);

@@ -37,7 +37,7 @@ Box box_over_clips(const PosableModel& model, int poses) {
 
 void expect_box(const std::string& name, const Vec3d& low, const Vec3d& high) {
   const std::string path = std::string(PELLUCID_MODELS) + "/animated/" + name;
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is missing";
+  if (!fs::exists(path)) GTEST_SKIP() << "development model missing: " << path;
   const Box box = box_over_clips(PosableModel(read_model(path)), 5);
   const double tolerance = 0.01 * length(high - low);
   EXPECT_LT(length(box.low - low), tolerance) << box.low.x << " " << box.low.y << " " << box.low.z;
@@ -66,7 +66,7 @@ TEST(AnimatedModels, KnightFillsHisBox) {
 
 TEST(AnimatedModels, AllCanBePosedAndSubdivided) {
   const fs::path folder = fs::path(PELLUCID_MODELS) / "animated";
-  if (!fs::is_directory(folder)) GTEST_SKIP() << folder << " is missing";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "development model missing: " << folder.string();
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".glb") continue;
     SCOPED_TRACE(entry.path().filename().string());

@@ -17,8 +17,8 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
 endif()
 
-# Without these two freedoms ccache keeps nothing that has a precompiled header.
-if(PELLUCID_CCACHE)
+# Without these two freedoms ccache keeps nothing that has a precompiled header. A launcher of the user's own stays.
+if(PELLUCID_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(PELLUCID_CCACHE_PROGRAM ccache)
   mark_as_advanced(PELLUCID_CCACHE_PROGRAM)
   if(PELLUCID_CCACHE_PROGRAM)

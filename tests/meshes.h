@@ -1,4 +1,4 @@
-// Small meshes that the tests of several rooms use.
+// Small meshes that the tests of several modules use.
 #pragma once
 
 #include <cstdint>

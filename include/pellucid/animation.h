@@ -1,7 +1,7 @@
-// pellucid/animation.h - room `asset`: what moves a glTF model: nodes, skins, morph targets, key frames.
+// pellucid/animation.h - module `asset`: what moves a glTF model: nodes, skins, morph targets, key frames.
 //
 // In: a model that read_model gave. Out: plain data, read on demand, so that those who order static meshes
-// do not pay for it. Posing is the room `scene` (pellucid/scene.h). Format: glTF 2.0, sections 3.5, 3.7 and
+// do not pay for it. Posing is the module `scene` (pellucid/scene.h). Format: glTF 2.0, sections 3.5, 3.7 and
 // 3.11.
 #pragma once
 

@@ -1,4 +1,4 @@
-// pellucid/asset.h - room `asset`: models in, ordered glTF out.
+// pellucid/asset.h - module `asset`: models in, ordered glTF out.
 //
 // In: glTF/GLB (all that is not understood is kept), PLY, OBJ, STL, OFF. Out: glTF/GLB with the extension
 // PELLUCID_mesh_primitive_view_orders (docs/file-format.md, docs/schema/). A glTF that passes through loses

@@ -1,4 +1,4 @@
-// pellucid/base.h - what every room shares: vectors, errors, progress and seeded random numbers.
+// pellucid/base.h - what every module shares: vectors, errors, progress and seeded random numbers.
 //
 // Conventions of the whole library: right-handed, counter-clockwise front faces, metres as in glTF,
 // depth 0..1 forward, float32 positions, uint32 indices in memory. Directions are unit vectors in the

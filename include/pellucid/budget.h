@@ -1,4 +1,4 @@
-// pellucid/budget.h - room `render`: what capture techniques with a budget of bytes do with it.
+// pellucid/budget.h - module `render`: what capture techniques with a budget of bytes do with it.
 //
 // `fixed-k`, `hybrid`, `k-plus` and `variable-k` keep the nearest fragments of every pixel in
 // RenderOptions::memory bytes, all their buffers included, and fold what found no place into one translucent

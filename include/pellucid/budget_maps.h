@@ -1,5 +1,5 @@
-// pellucid/budget_maps.h - room `report`: what is in every pixel as heat maps: fragments and coplanar ones of
-// a scene; importance, k and loss of techniques with a budget.
+// pellucid/budget_maps.h - module `report`: what is in every pixel as heat maps: fragments and coplanar ones
+// of a scene; importance, k and loss of techniques with a budget.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// pellucid/compare_report.h - room `report`: capture techniques side by side, as a table, JSON and a page.
+// pellucid/compare_report.h - module `report`: capture techniques side by side, as a table, JSON and a page.
 //
 // In: what every technique captured of a scene, how long it took, and its picture; the same over a parameter
 // that is swept. Out: text. The keys of the JSON are a contract (docs/json.md,

@@ -1,4 +1,4 @@
-// pellucid/cycles.h - room `order`: faces without a right drawing order, what they cost, and how to split
+// pellucid/cycles.h - module `order`: faces without a right drawing order, what they cost, and how to split
 // them.
 //
 // From one viewpoint faces that pass through each other, and faces that overlap in a cycle, cannot all be

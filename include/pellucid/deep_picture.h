@@ -1,4 +1,4 @@
-// pellucid/deep_picture.h - room `report`: all fragments of every pixel, to look at and to composite with.
+// pellucid/deep_picture.h - module `report`: all fragments of every pixel, to look at and to composite with.
 //
 // In: a picture drawn with RenderOptions::keep_fragments. Out: its fragments with all that is known of them,
 // and a deep OpenEXR file, which compositing programs merge with other deep pictures.

@@ -1,5 +1,5 @@
-// pellucid/frontier_report.h - room `report`, second header: error against number of buffers as a table, JSON
-// and an SVG plot, so that a user picks. The keys of the JSON are a contract (docs/json.md,
+// pellucid/frontier_report.h - module `report`, second header: error against number of buffers as a table,
+// JSON and an SVG plot, so that a user picks. The keys of the JSON are a contract (docs/json.md,
 // docs/schema/frontier.schema.json).
 #pragma once
 

@@ -1,4 +1,4 @@
-// pellucid/material.h - room `asset`: how the surfaces of a model look: colours, opacity, textures.
+// pellucid/material.h - module `asset`: how the surfaces of a model look: colours, opacity, textures.
 //
 // In: a model that read_model gave. Out: plain data, read and decoded on demand, so that those who order
 // meshes do not pay for it. Format: glTF 2.0, sections 3.8 and 3.9, KHR_texture_transform; of OBJ files

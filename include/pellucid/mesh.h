@@ -1,6 +1,6 @@
-// pellucid/mesh.h - room `mesh`: indexed triangle meshes; check, clean, weld, simplify, sample.
+// pellucid/mesh.h - module `mesh`: indexed triangle meshes; check, clean, weld, simplify, sample.
 //
-// In: positions and triangles from a reader or a program. Out: a Mesh that the other rooms may trust
+// In: positions and triangles from a reader or a program. Out: a Mesh that the other modules may trust
 // (indices in range, positions finite). Sources: orders.md; meshoptimizer for simplification.
 #pragma once
 

@@ -1,7 +1,7 @@
-// pellucid/metric.h - room `metric`: how good an order is, by numbers and pictures.
+// pellucid/metric.h - module `metric`: how good an order is, by numbers and pictures.
 //
 // Vertex cache: ACMR, ATVR. Overdraw: OVR. Transparency: IPR and PSNR of an order set against exact depth
-// order (In-Depth Buffers, section 7), over random viewpoints. Truth comes from the room `raster`.
+// order (In-Depth Buffers, section 7), over random viewpoints. Truth comes from the module `raster`.
 #pragma once
 
 #include <cstdint>

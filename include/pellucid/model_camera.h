@@ -1,4 +1,4 @@
-// pellucid/model_camera.h - room `asset`: the cameras of a glTF model. Format: glTF 2.0, section 3.10.
+// pellucid/model_camera.h - module `asset`: the cameras of a glTF model. Format: glTF 2.0, section 3.10.
 #pragma once
 
 #include <string>

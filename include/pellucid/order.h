@@ -1,4 +1,4 @@
-// pellucid/order.h - room `order`: occlusion graph -> clusters of view cells -> triangle sequences.
+// pellucid/order.h - module `order`: occlusion graph -> clusters of view cells -> triangle sequences.
 //
 // In: a clean Mesh and a ViewPartition. Out: an OrderSet, the in-depth buffers: a few sequences of all
 // triangles and the table that says which of them draws correctly from which view cell.

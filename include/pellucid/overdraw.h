@@ -1,4 +1,4 @@
-// pellucid/overdraw.h - room `order`: a few triangle orders that shade little in vain, for all views and
+// pellucid/overdraw.h - module `order`: a few triangle orders that shade little in vain, for all views and
 // poses.
 //
 // In: an opaque mesh and its poses. Out: k orders of its patches and the table that says which of them draws

@@ -1,4 +1,4 @@
-// pellucid/raster.h - room `raster`: every fragment of every pixel, in depth order, on the CPU.
+// pellucid/raster.h - module `raster`: every fragment of every pixel, in depth order, on the CPU.
 //
 // In: a mesh and a camera. Out: per-pixel lists of fragments sorted by (depth, triangle). It is the oracle
 // of everything below, so it is deterministic to the bit for any number of threads: vertices snap to a

@@ -1,4 +1,4 @@
-// pellucid/render.h - room `render`: all fragments of a pixel on the GPU, by every technique of the
+// pellucid/render.h - module `render`: all fragments of a pixel on the GPU, by every technique of the
 // depth-fighting paper, and what becomes of them.
 //
 // In: triangles in world space with their objects and surfaces, a camera, the name of a capture technique and

@@ -1,6 +1,6 @@
-// pellucid/report.h - room `report`: what was done and how good it is, as a table, JSON and one HTML page.
+// pellucid/report.h - module `report`: what was done and how good it is, as a table, JSON and one HTML page.
 //
-// In: order sets and what the rooms `order` and `metric` say of them. Out: text. Nothing here draws or
+// In: order sets and what the modules `order` and `metric` say of them. Out: text. Nothing here draws or
 // orders; the numbers come in, or are gathered by measure_subjects(). The keys of the JSON are a contract
 // (docs/json.md).
 #pragma once

@@ -1,4 +1,4 @@
-// pellucid/scene.h - room `scene`: what a model draws at a moment of an animation.
+// pellucid/scene.h - module `scene`: what a model draws at a moment of an animation.
 //
 // In: a Model. Out: one list of triangles for all that its scene draws, and its vertices in scene space (that
 // of the default glTF scene) at rest and at any time of any clip: node animation, skins, morph targets, and

@@ -1,9 +1,9 @@
-// pellucid/shading.h - room `order`, second header: what a pixel's fragments look like and blend to, and how
-// far a frame in a wrong order is off.
+// pellucid/shading.h - module `order`, second header: what a pixel's fragments look like and blend to, and
+// how far a frame in a wrong order is off.
 //
 // The two shaders of In-Depth Buffers, section 7 and figure 4: a translucent surface lit per pixel, and depth
-// turned into colour. Orders may be steered by these pictures (OrderOptions::min_psnr), and the room `metric`
-// judges by them: the same code, the same figures. Colours are linear until a pixel is finished.
+// turned into colour. Orders may be steered by these pictures (OrderOptions::min_psnr), and the module
+// `metric` judges by them: the same code, the same figures. Colours are linear until a pixel is finished.
 #pragma once
 
 #include <array>

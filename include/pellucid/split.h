@@ -1,9 +1,9 @@
-// pellucid/split.h - room `mesh`: triangles cut along each other's planes.
+// pellucid/split.h - module `mesh`: triangles cut along each other's planes.
 //
 // Faces that pass through each other, and faces that overlap in a cycle, have no right drawing order; their
 // pieces have one. In: a clean Mesh. Out: the same surface with more triangles, and where each of them and of
 // the new vertices comes from, so that whoever holds attributes can interpolate them. pellucid/cycles.h
-// (room `order`) finds the cycles. How it works and what it costs: docs/in-depth-buffers.md, section 8.
+// (module `order`) finds the cycles. How it works and what it costs: docs/in-depth-buffers.md, section 8.
 #pragma once
 
 #include <array>

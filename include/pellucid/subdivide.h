@@ -1,4 +1,4 @@
-// pellucid/subdivide.h - room `mesh`: Loop subdivision, as triangles and stencils.
+// pellucid/subdivide.h - module `mesh`: Loop subdivision, as triangles and stencils.
 //
 // After Loop, "Smooth subdivision surfaces based on triangles", University of Utah 1987, with the rule of
 // Hoppe et al., SIGGRAPH 1994, at boundaries (uniform cubic B-splines); refined by OpenSubdiv.

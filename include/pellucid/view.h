@@ -1,4 +1,4 @@
-// pellucid/view.h - room `view`: where the camera may be.
+// pellucid/view.h - module `view`: where the camera may be.
 //
 // A view partition cuts the sphere of view directions into cells and gives every cell its sample
 // directions (In-Depth Buffers, Han et al. 2018, section 2.1):

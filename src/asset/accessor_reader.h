@@ -1,4 +1,4 @@
-// Internal to the room `asset`: typed elements out of glTF accessors, whatever their form: strided, sparse,
+// Internal to the module `asset`: typed elements out of glTF accessors, whatever their form: strided, sparse,
 // quantised, meshopt-compressed. Bounds are checked in 64-bit arithmetic before anything is allocated.
 #pragma once
 

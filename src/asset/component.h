@@ -1,4 +1,4 @@
-// Internal to the room `asset`: single numbers as glTF stores them (glTF 2.0, sections 3.6.2.2 and 3.11).
+// Internal to the module `asset`: single numbers as glTF stores them (glTF 2.0, sections 3.6.2.2 and 3.11).
 #pragma once
 
 #include <cstdint>

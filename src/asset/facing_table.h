@@ -1,4 +1,4 @@
-// Internal to the room `asset`: from index triples back to the nodes (facings of triangles) that they draw.
+// Internal to the module `asset`: from index triples back to the nodes (facings of triangles) that they draw.
 #pragma once
 
 #include <optional>

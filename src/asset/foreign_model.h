@@ -1,4 +1,4 @@
-// Internal to the room `asset`: what the readers of PLY, OBJ, STL and OFF share.
+// Internal to the module `asset`: what the readers of PLY, OBJ, STL and OFF share.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: constants of the .glb container (glTF 2.0, section 4.4). Little endian
+// Internal to the module `asset`: constants of the .glb container (glTF 2.0, section 4.4). Little endian
 // throughout.
 #pragma once
 

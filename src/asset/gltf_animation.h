@@ -1,4 +1,4 @@
-// Internal to the room `asset`: glTF animations become channels and curves.
+// Internal to the module `asset`: glTF animations become channels and curves.
 #pragma once
 
 #include "accessor_reader.h"

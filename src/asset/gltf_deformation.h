@@ -1,4 +1,4 @@
-// Internal to the room `asset`: what a glTF primitive's vertices follow: joints and morph targets.
+// Internal to the module `asset`: what a glTF primitive's vertices follow: joints and morph targets.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: a glTF file as it lies on disk, its JSON and its buffers, nothing
+// Internal to the module `asset`: a glTF file as it lies on disk, its JSON and its buffers, nothing
 // interpreted.
 #pragma once
 

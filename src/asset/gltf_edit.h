@@ -1,6 +1,6 @@
-// Internal to the room `asset`: changes to a glTF document that leave everything else where it is. Accessors,
-// buffer views and bytes are only ever appended at the end or taken off the end, so no index in the file
-// moves.
+// Internal to the module `asset`: changes to a glTF document that leave everything else where it is.
+// Accessors, buffer views and bytes are only ever appended at the end or taken off the end, so no index in
+// the file moves.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: JSON text to a document, safe against hostile text.
+// Internal to the module `asset`: JSON text to a document, safe against hostile text.
 #pragma once
 
 #include <string>

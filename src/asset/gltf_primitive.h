@@ -1,4 +1,4 @@
-// Internal to the room `asset`: one glTF mesh primitive becomes a Primitive.
+// Internal to the module `asset`: one glTF mesh primitive becomes a Primitive.
 #pragma once
 
 #include "accessor_reader.h"

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: the nodes of a glTF scene become instances.
+// Internal to the module `asset`: the nodes of a glTF scene become instances.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: which accessors of a document may be overwritten in place.
+// Internal to the module `asset`: which accessors of a document may be overwritten in place.
 #pragma once
 
 #include <vector>

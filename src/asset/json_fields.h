@@ -1,4 +1,4 @@
-// Internal to the room `asset`: typed look-ups in JSON objects that fail with "FILE: PLACE: reason".
+// Internal to the module `asset`: typed look-ups in JSON objects that fail with "FILE: PLACE: reason".
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// Internal to the room `asset`: buffer views of EXT_meshopt_compression (and of KHR_meshopt_compression where
-// it holds the same bit stream).
+// Internal to the module `asset`: buffer views of EXT_meshopt_compression (and of KHR_meshopt_compression
+// where it holds the same bit stream).
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: models of other formats as glTF documents.
+// Internal to the module `asset`: models of other formats as glTF documents.
 #pragma once
 
 #include <vector>

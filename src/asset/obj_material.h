@@ -1,4 +1,4 @@
-// Internal to the room `asset`: materials of OBJ files (Wavefront MTL).
+// Internal to the module `asset`: materials of OBJ files (Wavefront MTL).
 #pragma once
 
 #include <array>

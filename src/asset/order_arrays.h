@@ -1,4 +1,4 @@
-// Internal to the room `asset`: the arrays of order sets go into a document: orders, patches, cell tables,
+// Internal to the module `asset`: the arrays of order sets go into a document: orders, patches, cell tables,
 // key frames.
 #pragma once
 

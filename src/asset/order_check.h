@@ -1,4 +1,4 @@
-// Internal to the room `asset`: is what a caller wants to write an order set of this model?
+// Internal to the module `asset`: is what a caller wants to write an order set of this model?
 #pragma once
 
 #include "pellucid/asset.h"

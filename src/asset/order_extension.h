@@ -1,5 +1,5 @@
-// Internal to the room `asset`: the glTF extension PELLUCID_mesh_primitive_view_orders (docs/file-format.md),
-// its JSON and its arrays, in and out.
+// Internal to the module `asset`: the glTF extension PELLUCID_mesh_primitive_view_orders
+// (docs/file-format.md), its JSON and its arrays, in and out.
 #pragma once
 
 #include "accessor_reader.h"

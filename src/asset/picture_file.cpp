@@ -148,6 +148,14 @@ bool is_picture(std::span<const std::byte> file) {
   return begins_with(file, kPngBegins) || begins_with(file, kJpegBegins);
 }
 
+bool can_decode(std::span<const std::byte> file) {
+#ifdef PELLUCID_WITH_JPEG
+  return is_picture(file);
+#else
+  return begins_with(file, kPngBegins);
+#endif
+}
+
 Picture decode_picture(std::span<const std::byte> file, std::uint64_t max_texels) {
   return begins_with(file, kPngBegins) ? decode_png(file, max_texels) : decode_jpeg(file, max_texels);
 }

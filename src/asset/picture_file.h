@@ -1,4 +1,4 @@
-// Internal to the room `asset`: pictures out of PNG and JPEG files in memory.
+// Internal to the module `asset`: pictures out of PNG and JPEG files in memory.
 #pragma once
 
 #include <cstddef>
@@ -20,5 +20,8 @@ bool is_picture(std::span<const std::byte> file);
 // Throws PictureError where the file is damaged, or says that it has more than `max_texels` texels: then
 // nothing was allocated for them.
 Picture decode_picture(std::span<const std::byte> file, std::uint64_t max_texels);
+
+// Returns whether decode_picture() knows the format of an image file: JPEG only where PELLUCID_JPEG is on.
+bool can_decode(std::span<const std::byte> file);
 
 }  // namespace pellucid

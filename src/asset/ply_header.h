@@ -1,4 +1,4 @@
-// Internal to the room `asset`: the header of a PLY file (Turk, "The PLY polygon file format", 1994).
+// Internal to the module `asset`: the header of a PLY file (Turk, "The PLY polygon file format", 1994).
 #pragma once
 
 #include <cstdint>

@@ -230,6 +230,10 @@ class MaterialReader {
       note(image, "is neither PNG nor JPEG");
       return {};
     }
+    if (!can_decode(file)) {
+      note(image, "is a JPEG, which this build cannot read (PELLUCID_JPEG is off)");
+      return {};
+    }
     try {
       Picture picture = decode_picture(file, texels_left_);
       texels_left_ -= std::uint64_t{picture.width} * picture.height;

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: one reader per format. Each takes a path, throws Error{bad_input} with one
+// Internal to the module `asset`: one reader per format. Each takes a path, throws Error{bad_input} with one
 // clear line.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: attributes for the vertices that splitting adds to a glTF primitive.
+// Internal to the module `asset`: attributes for the vertices that splitting adds to a glTF primitive.
 #pragma once
 
 #include "gltf_edit.h"

@@ -1,4 +1,4 @@
-// Internal to the room `asset`: a cursor over the text of a model file that knows its line and never reads
+// Internal to the module `asset`: a cursor over the text of a model file that knows its line and never reads
 // past the end. Numbers are read with std::from_chars: no locale, nearest float.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Internal to the room `asset`: the two kinds of uri that a glTF may hold, data: and relative references (RFC
-// 3986).
+// Internal to the module `asset`: the two kinds of uri that a glTF may hold, data: and relative references
+// (RFC 3986).
 #pragma once
 
 #include <optional>

@@ -20,7 +20,7 @@ class CallbackProgress final : public Progress {
   void advance(std::uint64_t amount) override;
   [[nodiscard]] bool stop_requested() const override { return stopped_; }
 
-  // What the rooms' options take: null where the caller does not want to hear.
+  // What the modules' options take: null where the caller does not want to hear.
   [[nodiscard]] Progress* pointer() { return run_.progress == nullptr ? nullptr : this; }
 
  private:

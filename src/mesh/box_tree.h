@@ -1,4 +1,4 @@
-// Internal to the room `mesh`: a binary tree of axis-aligned boxes, for all that overlap a given one.
+// Internal to the module `mesh`: a binary tree of axis-aligned boxes, for all that overlap a given one.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Internal to the room `mesh`: samples of high depth complexity, stand-ins for the scenes of the variable
+// Internal to the module `mesh`: samples of high depth complexity, stand-ins for the scenes of the variable
 // k-buffer paper (Vasilakis et al., Eurographics 2017, Table 2).
 #pragma once
 

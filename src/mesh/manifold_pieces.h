@@ -1,4 +1,4 @@
-// Internal to the room `mesh`: a triangle soup becomes oriented manifold pieces, by doubling vertices.
+// Internal to the module `mesh`: a triangle soup becomes oriented manifold pieces, by doubling vertices.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Internal to the room `mesh`: questions about single triangles.
+// Internal to the module `mesh`: questions about single triangles.
 #pragma once
 
 #include <algorithm>

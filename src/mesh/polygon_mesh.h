@@ -1,5 +1,5 @@
-// Internal to the room `mesh`: a mesh while its triangles are being cut. The pieces of a triangle are convex
-// polygons; a new corner on an edge goes into all polygons that have this edge, so that no gap opens.
+// Internal to the module `mesh`: a mesh while its triangles are being cut. The pieces of a triangle are
+// convex polygons; a new corner on an edge goes into all polygons that have this edge, so that no gap opens.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Internal to the room `mesh`: the shapes that procedural samples are made of. All closed shapes share
+// Internal to the module `mesh`: the shapes that procedural samples are made of. All closed shapes share
 // vertices across their seams, face outwards and have smooth normals.
 #pragma once
 

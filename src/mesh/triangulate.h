@@ -1,4 +1,4 @@
-// Internal to the room `mesh`: convex polygons to triangles.
+// Internal to the module `mesh`: convex polygons to triangles.
 #pragma once
 
 #include <array>

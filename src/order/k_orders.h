@@ -1,4 +1,4 @@
-// k orders for many cells: the one optimiser of this room (orders.md section 3).
+// k orders for many cells: the one optimiser of this module (orders.md section 3).
 //
 // A cell is whatever needs an order: a view cell of a static mesh, or a view of a key frame. Items are what
 // is put in order: facings of triangles, or patches. What an order costs a cell is said by the caller: the

@@ -141,7 +141,7 @@ LayerRows::LayerRows(const ListPool& pool, std::span<const WeightedList> weighte
   for (std::uint32_t patch = 0; patch < patch_parts.size(); ++patch) {
     const double rank = ranks[patch];
     if (patch_parts[patch] >= rooms_.size()) rooms_.resize(patch_parts[patch] + 1, {1e300, -1e300});
-    // Half a rank beyond: the rooms of neighbouring parts meet there.
+    // Half a rank beyond: the modules of neighbouring parts meet there.
     auto& [first, last_rank] = rooms_[patch_parts[patch]];
     first = std::min(first, rank - 0.5);
     last_rank = std::max(last_rank, rank + 0.5);

@@ -13,7 +13,7 @@ namespace platform {
 class File;
 }
 
-// Words in a file without a name, in $TMPDIR, else /tmp: it is gone with the program, however that ends.
+// Words in a file in platform::temporary_folder(): it is gone with the program, however that ends.
 // Throws Error{cannot_write} naming the folder and the reason. Calls from several threads are safe.
 class SpillFile {
  public:

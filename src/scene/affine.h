@@ -1,4 +1,4 @@
-// Internal to the room `scene`: affine maps in double precision.
+// Internal to the module `scene`: affine maps in double precision.
 #pragma once
 
 #include "pellucid/animation.h"

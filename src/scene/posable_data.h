@@ -1,4 +1,4 @@
-// Internal to the room `scene`: what a PosableModel holds.
+// Internal to the module `scene`: what a PosableModel holds.
 #pragma once
 
 #include <map>

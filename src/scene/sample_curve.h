@@ -1,4 +1,4 @@
-// Internal to the room `scene`: the value of an animation curve at a time.
+// Internal to the module `scene`: the value of an animation curve at a time.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Internal to the room `scene`: a primitive as it is posed, subdivided where asked for.
+// Internal to the module `scene`: a primitive as it is posed, subdivided where asked for.
 #pragma once
 
 #include "pellucid/animation.h"

@@ -339,8 +339,8 @@ INSTANTIATE_TEST_SUITE_P(
         DevModel{"scenes/kitchenblender.obj", 108232}, DevModel{"scenes/flacon.obj", 10648},
         DevModel{"scenes/beerGlass.obj", 9836}, DevModel{"scenes/red-wine-bottle-01.obj", 6668},
         DevModel{"scenes/concept-sedan-02.obj", 124188}, DevModel{"scenes/copperBeech.obj", 187308}),
-    [](const testing::TestParamInfo<DevModel>& info) {
-      std::string name = std::filesystem::path(info.param.file).stem().string();
+    [](const testing::TestParamInfo<DevModel>& model) {
+      std::string name = std::filesystem::path(model.param.file).stem().string();
       std::replace(name.begin(), name.end(), '-', '_');
       return name;
     });

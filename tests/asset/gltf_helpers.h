@@ -1,4 +1,4 @@
-// Small glTF files made by hand, and order sets made at random, for the tests of room `asset`.
+// Small glTF files made by hand, and order sets made at random, for the tests of module `asset`.
 #pragma once
 
 #include <gmock/gmock.h>

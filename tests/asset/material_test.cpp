@@ -1,7 +1,11 @@
 // Materials of glTF and OBJ files: textures of all forms, and pictures that are damaged or absurd.
 #include "pellucid/material.h"
 
+#ifdef PELLUCID_WITH_JPEG
 #include <jpeglib.h>
+
+#include <cstdio>  // jpeglib.h needs it
+#endif
 
 #include <cstdlib>
 
@@ -19,6 +23,8 @@ Bytes png_of(std::uint32_t width, std::uint32_t height) {
     image.rgb.push_back(static_cast<std::uint8_t>(i % 251));
   return bytes_of(encode_png(image));
 }
+
+#ifdef PELLUCID_WITH_JPEG
 
 // One colour.
 Bytes jpeg_of(std::uint32_t side, std::array<std::uint8_t, 3> color) {
@@ -44,6 +50,17 @@ Bytes jpeg_of(std::uint32_t side, std::array<std::uint8_t, 3> color) {
   std::memcpy(bytes.data(), data, size);
   std::free(data);
   return bytes;
+}
+
+#endif
+
+// An image of each format that this build reads.
+std::vector<Bytes> images_of_all_formats() {
+  std::vector<Bytes> images{png_of(40, 40)};
+#ifdef PELLUCID_WITH_JPEG
+  images.push_back(jpeg_of(40, {9, 99, 199}));
+#endif
+  return images;
 }
 
 // A triangle with texture coordinates, and a material whose texture is images[0].
@@ -107,6 +124,8 @@ TEST_F(MaterialFiles, EmbeddedPng) {
   EXPECT_TRUE(materials.notes.empty());
 }
 
+#ifdef PELLUCID_WITH_JPEG
+
 TEST_F(MaterialFiles, JpegInADataUri) {
   HandMade file = textured();
   // Base64 by hand: six bits a letter.
@@ -129,6 +148,19 @@ TEST_F(MaterialFiles, JpegInADataUri) {
   EXPECT_NEAR(materials.pictures[0].rgba[1], 40, 3);
   EXPECT_NEAR(materials.pictures[0].rgba[2], 90, 3);
 }
+
+#else
+
+TEST_F(MaterialFiles, JpegIsLeftOutWithANoteInABuildWithoutIt) {
+  HandMade file = textured();
+  embed(file, Bytes{std::byte{0xFF}, std::byte{0xD8}, std::byte{0xFF}, std::byte{0xE0}});
+  const Materials materials = read(file);
+  EXPECT_TRUE(materials.pictures.empty());
+  ASSERT_EQ(materials.notes.size(), 1U);
+  EXPECT_THAT(materials.notes[0], HasSubstr("PELLUCID_JPEG"));
+}
+
+#endif
 
 TEST_F(MaterialFiles, FileBesideTheModel) {
   HandMade file = textured();
@@ -184,9 +216,7 @@ TEST_F(MaterialFiles, TransmissionIsBlended) {
 }
 
 TEST_F(MaterialFiles, DamagedPicturesAreTold) {
-  const Bytes png = png_of(40, 40);
-  const Bytes jpeg = jpeg_of(40, {9, 99, 199});
-  for (const Bytes& whole : {png, jpeg}) {
+  for (const Bytes& whole : images_of_all_formats()) {
     for (const std::size_t kept : {std::size_t{12}, whole.size() / 2, whole.size() - 20}) {
       HandMade file = textured();
       embed(file, Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(kept)));
@@ -200,6 +230,7 @@ TEST_F(MaterialFiles, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
   embed(file, png_of(40, 40));
   EXPECT_THAT(complaint(file, {.max_texels = 1599}), HasSubstr("40 x 40 texels"));
   EXPECT_EQ(read(file, {.max_texels = 1600}).pictures.size(), 1U);
+#ifdef PELLUCID_WITH_JPEG
   // The sides stand at bytes 7 to 10 of a frame header.
   Bytes jpeg = jpeg_of(40, {1, 2, 3});
   for (std::size_t i = 0; i + 9 < jpeg.size(); ++i) {
@@ -210,11 +241,12 @@ TEST_F(MaterialFiles, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
   file = textured();
   embed(file, jpeg);
   EXPECT_THAT(complaint(file), HasSubstr("61680 x 61680 texels"));
+#endif
 }
 
 TEST_F(MaterialFiles, DamageAtRandomNeverCrashes) {
   Random random(5);
-  for (const Bytes& whole : {png_of(16, 16), jpeg_of(16, {50, 60, 70})}) {
+  for (const Bytes& whole : images_of_all_formats()) {
     for (int i = 0; i < 300; ++i) {
       Bytes damaged = whole;
       for (int k = 0; k < 3; ++k)

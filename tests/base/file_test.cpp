@@ -139,25 +139,32 @@ TEST(WriteFile, NeverShowsAPartOfAFile) {
   const std::string second(2000000, 'b');
   write_file_atomically(path, first);
   std::atomic<int> writes{0};
+  std::atomic<int> failures{0};
   std::atomic<bool> done{false};
+  bool has_seen_second = false;
   std::thread writer([&] {
     for (; !done; ++writes) {
       // Windows replaces no file that the reader has open.
       try {
         write_file_atomically(path, writes % 2 == 0 ? second : first);
       } catch (const Error&) {
+        ++failures;
       }
     }
   });
-  for (int reads = 0; reads < 10 || writes < 10; ++reads) {
+  for (int reads = 0; reads < 10 || writes < 10 || !has_seen_second; ++reads) {
     const std::string text = slurp(path);
 #ifdef _WIN32
     if (text.empty()) continue;  // it could not be opened at this moment
 #endif
     EXPECT_TRUE(text == first || text == second) << text.size();
+    has_seen_second = has_seen_second || text == second;
   }
   done = true;
   writer.join();
+#ifndef _WIN32
+  EXPECT_EQ(failures, 0);
+#endif
 }
 
 TEST(WriteFile, LeavesTheOldFileAndNoOtherWhereItFails) {

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -201,6 +203,32 @@ TEST(PlatformFileLock, RefusesASecondHolderOfTheLock) {
   }
   EXPECT_EQ(folder.count(), 0U);
   EXPECT_EQ(reason_of(take), std::error_code());
+}
+
+TEST(PlatformFileLock, HasOneHolderWhileManyTakeAndRemoveIt) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("lock");
+  std::atomic<int> holders{0};
+  std::atomic<int> intrusions{0};
+  std::atomic<int> taken{0};
+  const auto take_often = [&] {
+    for (int i = 0; i < 3000; ++i) {
+      try {
+        const FileLock lock(path);
+        if (holders.fetch_add(1) != 0) ++intrusions;
+        ++taken;
+        std::this_thread::yield();
+        --holders;
+      } catch (const std::system_error&) {
+        // Another thread holds it.
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) threads.emplace_back(take_often);
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(intrusions, 0);
+  EXPECT_GT(taken, 100);
 }
 
 TEST(PlatformFileLock, TakesALockWhoseHolderWasKilled) {

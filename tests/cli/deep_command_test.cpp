@@ -25,10 +25,23 @@ TEST(DeepPixels, RefuseWhatCannotBe) {
     EXPECT_EQ(done.code, 2) << bad[1];
     EXPECT_NE(done.err.find("--pixel"), std::string::npos) << done.err;
   }
+#ifdef PELLUCID_WITH_OPENEXR
   EXPECT_EQ(run_pellucid(render(folder, "cpu", {"--deep", folder.file("no/where.exr")})).code, 1);
+#endif
   EXPECT_TRUE(folder.files().empty());
 }
 
+#ifndef PELLUCID_WITH_OPENEXR
+TEST(DeepPixels, AreRefusedAsAFileInABuildWithoutOpenExr) {
+  const TemporaryFolder folder;
+  const Finished done = run_pellucid(render(folder, "cpu", {"--deep", folder.file("d.exr")}));
+  EXPECT_EQ(done.code, 2);
+  EXPECT_NE(done.err.find("PELLUCID_OPENEXR"), std::string::npos) << done.err;
+  EXPECT_TRUE(folder.files().empty());
+}
+#endif
+
+#ifdef PELLUCID_WITH_OPENEXR
 TEST(DeepPixels, AreTheFragmentsOfThePicture) {
   const TemporaryFolder folder;
   const Finished done = run_pellucid(
@@ -58,6 +71,7 @@ TEST(DeepPixels, AreTheFragmentsOfThePicture) {
   EXPECT_EQ(run_pellucid(render(folder, "sb", {"--pixel", "1,1", "--samples", "4"})).code, 2);
 #endif
 }
+#endif
 
 }  // namespace
 }  // namespace pellucid::testing

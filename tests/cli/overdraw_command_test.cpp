@@ -301,6 +301,7 @@ TEST(OverdrawCommand, WritesPictures) {
   EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org"));
 }
 
+#ifdef PELLUCID_WITH_OPENSUBDIV
 TEST(OverdrawCommand, SubdividesForMeasurements) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
@@ -313,6 +314,14 @@ TEST(OverdrawCommand, SubdividesForMeasurements) {
   EXPECT_EQ(json["triangles"].get<int>(), 4 * whole["triangles"].get<int>());
   EXPECT_EQ(json["key_frames"], 3);
 }
+#else
+TEST(OverdrawCommand, RefusesToSubdivideInABuildWithoutOpenSubdiv) {
+  const TemporaryFolder folder;
+  const Finished done = run_pellucid(quick(moving_shells(folder), {"--subdivide", "1"}));
+  EXPECT_EQ(done.code, 2);
+  EXPECT_NE(done.err.find("PELLUCID_OPENSUBDIV"), std::string::npos) << done.err;
+}
+#endif
 
 #if defined(PELLUCID_WITH_RENDERER)
 // What is drawn first stays: the sequence of drawing is that of the orders, at rest and in motion.

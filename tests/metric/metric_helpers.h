@@ -1,4 +1,4 @@
-// Scenes with known answers, for the tests of room `metric`.
+// Scenes with known answers, for the tests of module `metric`.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Small meshes and random graphs for the tests of room `order`.
+// Small meshes and random graphs for the tests of module `order`.
 #pragma once
 
 #include <algorithm>

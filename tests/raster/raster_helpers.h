@@ -1,4 +1,4 @@
-// Small meshes and cameras, and comparisons, for the tests of room `raster`.
+// Small meshes and cameras, and comparisons, for the tests of module `raster`.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Small reports made by hand, for the tests of the room `report`.
+// Small reports made by hand, for the tests of the module `report`.
 #pragma once
 
 #include <string>

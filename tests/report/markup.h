@@ -1,4 +1,4 @@
-// Is markup well formed? For the tests of the room `report`.
+// Is markup well formed? For the tests of the module `report`.
 #pragma once
 
 #include <cctype>

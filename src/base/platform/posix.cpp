@@ -47,6 +47,13 @@ struct stat status_of(std::intptr_t handle) {
   return info;
 }
 
+bool leads_to(const std::string& path, int descriptor) {
+  struct stat named {};
+  struct stat opened {};
+  return ::stat(path.c_str(), &named) == 0 && ::fstat(descriptor, &opened) == 0 &&
+         named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;
+}
+
 std::atomic<std::atomic<bool>*> stop_flag{nullptr};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<bool>*>::is_always_lock_free,
               "a signal handler uses them");
@@ -161,13 +168,24 @@ void File::flush_to_disk() {
   if (::fsync(descriptor_of(handle_)) != 0 && errno != EINVAL) fail();
 }
 
-FileLock::FileLock(std::string path)
-    : path_(std::move(path)), handle_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  if (handle_ < 0) fail();
-  if (::flock(descriptor_of(handle_), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    ::close(descriptor_of(handle_));
-    fail(std::errc::resource_unavailable_try_again);
+FileLock::FileLock(std::string path) : path_(std::move(path)), handle_(-1) {
+  constexpr int kMostAttempts = 100;
+  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+    const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail();
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(descriptor);
+      break;
+    }
+    // The last holder may have removed the file between the two calls. Another file of this name would then
+    // be locked by somebody else.
+    if (leads_to(path_, descriptor)) {
+      handle_ = descriptor;
+      return;
+    }
+    ::close(descriptor);
   }
+  fail(std::errc::resource_unavailable_try_again);
 }
 
 FileLock::~FileLock() {

@@ -36,9 +36,12 @@ struct Subdivision {
 // backs) are boundaries, so that each piece is an oriented manifold. Boundaries are smoothed along
 // themselves: a triangle by itself becomes round, and pieces that meet stay together where their boundaries
 // run on together. Deterministic. Throws Error{bad_argument} for more levels or a result of more than 2^28
-// triangles.
+// triangles, and for any level but 0 where can_subdivide() is false.
 Subdivision subdivide_loop(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld,
                            std::uint32_t levels);
+
+// Returns false in a build without OpenSubdiv (PELLUCID_OPENSUBDIV).
+bool can_subdivide();
 
 // Values of the refined vertices; one value per control vertex.
 std::vector<Vec3f> refined_values(const Subdivision& subdivision, std::span<const Vec3f> values);

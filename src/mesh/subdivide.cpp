@@ -116,6 +116,14 @@ void copy_control_mesh(const ManifoldPieces& pieces, Subdivision& result) {
 
 }  // namespace
 
+bool can_subdivide() {
+#ifdef PELLUCID_WITH_OPENSUBDIV
+  return true;
+#else
+  return false;
+#endif
+}
+
 Subdivision subdivide_loop(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld,
                            std::uint32_t levels) {
   if (levels > kMostSubdivisions) {

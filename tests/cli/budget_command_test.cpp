@@ -9,6 +9,7 @@
 namespace pellucid::testing {
 namespace {
 
+#if defined(PELLUCID_WITH_RENDERER)
 TEST(BudgetOptions, RefuseWhatMakesNoSense) {
   const TemporaryFolder folder;
   for (const Arguments& bad :
@@ -25,7 +26,6 @@ TEST(BudgetOptions, RefuseWhatMakesNoSense) {
   EXPECT_TRUE(folder.files().empty());
 }
 
-#if defined(PELLUCID_WITH_RENDERER)
 Arguments render(const TemporaryFolder& folder, const Arguments& more) {
   Arguments arguments{"render",     samples().plain, "-o",    folder.file("p.png"),
                       "--validate", "--size",        "96x64", "--technique",

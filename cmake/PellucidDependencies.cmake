@@ -1,6 +1,6 @@
 # Finds what the library, the command line, the tests and the benchmarks need (docs/dependencies.md). Nothing is fetched.
 
-# Whoever links pellucid from another directory of the same build needs these targets, too.
+# Other directories of the same build that link pellucid need these targets, too.
 if(NOT PROJECT_IS_TOP_LEVEL)
   set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL TRUE)
 endif()

@@ -1,5 +1,4 @@
-// pellucid/overdraw.h - module `order`: a few triangle orders that shade little in vain, for all views and
-// poses.
+// pellucid/overdraw.h - module `order`: a few triangle orders that reduce overdraw, for all views and poses.
 //
 // In: an opaque mesh and its poses. Out: k orders of its patches and the table that says which of them draws
 // which key frame best from which direction. Every order draws the right picture; good ones draw what is

@@ -1,4 +1,4 @@
-// pellucid/overdraw_report.h - module `report`: overdraw orders beside their rivals, as a table, JSON and a
+// pellucid/overdraw_report.h - module `report`: overdraw orders beside the baselines, as a table, JSON and a
 // page.
 //
 // In: a posed subject and the orders made for it. Out: what they cost on held-out views and poses, beside

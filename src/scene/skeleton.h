@@ -1,4 +1,4 @@
-// Internal to the module `scene`: the nodes of a rig that move what is drawn, and where they are at a time.
+// Internal to the module `scene`: the nodes of a rig that move geometry, and their places at a time.
 #pragma once
 
 #include "affine.h"

@@ -29,12 +29,12 @@ class Notes final : public Progress {
 class CheckpointFolder : public ::testing::Test {
  protected:
   [[nodiscard]] std::string record(const std::string& name, const std::string& run = kRun) const {
-    return folder + "/" + name + "." + run + ".record";
+    return folder_ + "/" + name + "." + run + ".record";
   }
 
-  const testing::TemporaryFolder parent;
-  const std::string folder = parent.path("records");
-  Notes notes;
+  const testing::TemporaryFolder parent_;
+  const std::string folder_ = parent_.path("records");
+  Notes notes_;
 };
 
 std::vector<std::byte> some_bytes(std::size_t size) {
@@ -48,26 +48,26 @@ TEST_F(CheckpointFolder, GivesBackWhatWasSaved) {
   for (const std::size_t size : {0U, 1U, 31U, 32U, 33U, 100000U}) {
     const std::vector<std::byte> bytes = some_bytes(size);
     {
-      CheckpointStore store(folder, &notes);
+      CheckpointStore store(folder_, &notes_);
       store.begin_run(kRun);
       EXPECT_FALSE(store.load(kRun, "part-0"));
       store.save(kRun, "part-0", bytes);
     }
-    CheckpointStore again(folder, &notes);
+    CheckpointStore again(folder_, &notes_);
     again.begin_run(kRun);
     EXPECT_EQ(again.load(kRun, "part-0"), bytes);
     EXPECT_FALSE(again.load(kRun, "part-1"));
     EXPECT_FALSE(again.load(kOtherRun, "part-0"));
-    ASSERT_EQ(notes.lines.size(), 1U);
-    EXPECT_NE(notes.lines[0].find("continuing from 1 record"), std::string::npos) << notes.lines[0];
+    ASSERT_EQ(notes_.lines.size(), 1U);
+    EXPECT_NE(notes_.lines[0].find("continuing from 1 record"), std::string::npos) << notes_.lines[0];
     again.finish();
-    EXPECT_FALSE(fs::exists(folder));
-    notes.lines.clear();
+    EXPECT_FALSE(fs::exists(folder_));
+    notes_.lines.clear();
   }
 }
 
 TEST_F(CheckpointFolder, NeverTrustsADamagedRecord) {
-  CheckpointStore store(folder, &notes);
+  CheckpointStore store(folder_, &notes_);
   store.save(kRun, "part", some_bytes(1000));
   const std::string sound = slurp(record("part"));
   std::vector<std::string> damaged{
@@ -81,12 +81,12 @@ TEST_F(CheckpointFolder, NeverTrustsADamagedRecord) {
     damaged.push_back(flipped);
   }
   for (const std::string& text : damaged) {
-    notes.lines.clear();
+    notes_.lines.clear();
     spill(record("part"), text);
     EXPECT_FALSE(store.load(kRun, "part"));
-    ASSERT_EQ(notes.lines.size(), 1U);
-    EXPECT_NE(notes.lines[0].find(record("part")), std::string::npos) << notes.lines[0];
-    EXPECT_NE(notes.lines[0].find("computed anew"), std::string::npos) << notes.lines[0];
+    ASSERT_EQ(notes_.lines.size(), 1U);
+    EXPECT_NE(notes_.lines[0].find(record("part")), std::string::npos) << notes_.lines[0];
+    EXPECT_NE(notes_.lines[0].find("computed anew"), std::string::npos) << notes_.lines[0];
   }
   spill(record("part"), sound);
   EXPECT_EQ(store.load(kRun, "part"), some_bytes(1000));
@@ -99,15 +99,15 @@ TEST_F(CheckpointFolder, NeverTrustsADamagedRecord) {
 
 TEST_F(CheckpointFolder, IgnoresOtherRunsAndSaysSo) {
   {
-    CheckpointStore store(folder, &notes);
+    CheckpointStore store(folder_, &notes_);
     store.begin_run(kOtherRun);
     store.save(kOtherRun, "part", some_bytes(10));
     store.save(kOtherRun, "part-2", some_bytes(10));
   }
-  CheckpointStore store(folder, &notes);
+  CheckpointStore store(folder_, &notes_);
   store.begin_run(kRun);
-  ASSERT_EQ(notes.lines.size(), 1U);
-  EXPECT_NE(notes.lines[0].find("2 record(s) of another mesh"), std::string::npos) << notes.lines[0];
+  ASSERT_EQ(notes_.lines.size(), 1U);
+  EXPECT_NE(notes_.lines[0].find("2 record(s) of another mesh"), std::string::npos) << notes_.lines[0];
   EXPECT_FALSE(store.load(kRun, "part"));
   store.save(kRun, "part", some_bytes(20));
   store.finish();
@@ -115,16 +115,16 @@ TEST_F(CheckpointFolder, IgnoresOtherRunsAndSaysSo) {
   EXPECT_FALSE(fs::exists(record("part")));
 
   // The runs of several meshes in one folder are not strangers to each other.
-  notes.lines.clear();
-  CheckpointStore both(folder + "-2", &notes);
+  notes_.lines.clear();
+  CheckpointStore both(folder_ + "-2", &notes_);
   both.begin_run(kRun);
   both.save(kRun, "part", some_bytes(10));
   both.begin_run(kOtherRun);
-  EXPECT_TRUE(notes.lines.empty());
+  EXPECT_TRUE(notes_.lines.empty());
 }
 
 TEST_F(CheckpointFolder, RemovesWhatALaterRecordReplaces) {
-  CheckpointStore store(folder, &notes);
+  CheckpointStore store(folder_, &notes_);
   for (const char* name : {"a", "b", "result"}) store.save(kRun, name, some_bytes(10));
   store.save(kOtherRun, "a", some_bytes(10));
   store.remove_others(kRun, "result");
@@ -135,24 +135,24 @@ TEST_F(CheckpointFolder, RemovesWhatALaterRecordReplaces) {
 }
 
 TEST_F(CheckpointFolder, SweepsWhatAKilledProcessLeft) {
-  fs::create_directory(folder);
+  fs::create_directory(folder_);
   spill(record("part") + ".aB3dE9", "half a rec");
-  spill(folder + "/notes.txt", "of somebody else");
-  CheckpointStore store(folder, &notes);
+  spill(folder_ + "/notes.txt", "of somebody else");
+  CheckpointStore store(folder_, &notes_);
   EXPECT_FALSE(fs::exists(record("part") + ".aB3dE9"));
   store.begin_run(kRun);
   store.finish();
-  EXPECT_TRUE(fs::exists(folder + "/notes.txt"));
+  EXPECT_TRUE(fs::exists(folder_ + "/notes.txt"));
 }
 
 TEST_F(CheckpointFolder, BelongsToOneProcess) {
-  const CheckpointStore store(folder, &notes);
+  const CheckpointStore store(folder_, &notes_);
   try {
-    const CheckpointStore second(folder, &notes);
+    const CheckpointStore second(folder_, &notes_);
     FAIL() << "two stores share a folder";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::cannot_write);
-    EXPECT_NE(std::string(error.what()).find(folder), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find(folder_), std::string::npos);
   }
 }
 
@@ -166,9 +166,9 @@ TEST_F(CheckpointFolder, NamesWhatCannotBeWritten) {
       EXPECT_NE(std::string(error.what()).find(bad), std::string::npos) << error.what();
     }
   };
-  expect_refusal(folder + "/missing/parent");
-  spill(folder, "a file");
-  expect_refusal(folder);
+  expect_refusal(folder_ + "/missing/parent");
+  spill(folder_, "a file");
+  expect_refusal(folder_);
 }
 
 TEST(HashBytes, EveryBitCounts) {

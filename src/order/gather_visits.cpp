@@ -283,8 +283,9 @@ class VisitSearch {
     for (std::size_t i = 0; i < companions_.size(); ++i) clocks_[companions_[i]] = before_[i];
     if (gain < kLeastGain) return false;
 
-    std::sort(companions_.begin(), companions_.end(),
-              [&](NodeId a, NodeId b) { return keys_[a] < keys_[b]; });
+    std::sort(companions_.begin(), companions_.end(), [&](NodeId a, NodeId b) {
+      return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b;
+    });
     NodeId last = place;
     for (const NodeId companion : companions_) {
       unlink(companion);

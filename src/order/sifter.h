@@ -56,6 +56,7 @@ class Sifter {
   struct Neighbor {
     double position;
     float weight;
+    std::uint32_t index;  // in its row: neighbours at the same position keep the order of the row
   };
 
   double move(NodeId node) {
@@ -86,16 +87,18 @@ class Sifter {
       } else if (there > last) {
         beyond_last = std::min(beyond_last, there);
       } else if (there < here) {
-        before_.push_back({there, row.weights[i]});
+        before_.push_back({there, row.weights[i], static_cast<std::uint32_t>(i)});
       } else {
-        after_.push_back({there, row.weights[i]});
+        after_.push_back({there, row.weights[i], static_cast<std::uint32_t>(i)});
       }
     }
     // Moving towards the front past v changes the cost by -weight, towards the back by +weight.
-    std::sort(before_.begin(), before_.end(),
-              [](const Neighbor& a, const Neighbor& b) { return a.position > b.position; });
-    std::sort(after_.begin(), after_.end(),
-              [](const Neighbor& a, const Neighbor& b) { return a.position < b.position; });
+    std::sort(before_.begin(), before_.end(), [](const Neighbor& a, const Neighbor& b) {
+      return a.position != b.position ? a.position > b.position : a.index < b.index;
+    });
+    std::sort(after_.begin(), after_.end(), [](const Neighbor& a, const Neighbor& b) {
+      return a.position != b.position ? a.position < b.position : a.index < b.index;
+    });
     const Place forward = best_place(before_, -1.0F, beyond_first);
     const Place backward = best_place(after_, 1.0F, beyond_last);
     const Place& best = forward.gain >= backward.gain ? forward : backward;

@@ -191,8 +191,8 @@ class OverdrawCurves {
           }))
         names.push_back(name);
     }
-    std::sort(names.begin(), names.end(),
-              [](const ClipName& a, const ClipName& b) { return a.frame < b.frame; });
+    std::stable_sort(names.begin(), names.end(),
+                     [](const ClipName& a, const ClipName& b) { return a.frame < b.frame; });
     return names;
   }
 

@@ -123,8 +123,8 @@ class CostPlot {
   [[nodiscard]] std::string frontier() const {
     std::vector<const TechniquePoint*> cheapest_first;
     for (const TechniquePoint& point : chart_.points) cheapest_first.push_back(&point);
-    std::sort(cheapest_first.begin(), cheapest_first.end(),
-              [](const TechniquePoint* a, const TechniquePoint* b) { return a->cost < b->cost; });
+    std::stable_sort(cheapest_first.begin(), cheapest_first.end(),
+                     [](const TechniquePoint* a, const TechniquePoint* b) { return a->cost < b->cost; });
     std::string svg;
     const TechniquePoint* best = nullptr;
     for (const TechniquePoint* point : cheapest_first) {

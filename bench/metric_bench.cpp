@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "pellucid/metric.h"
+#include "pellucid/sequencing.h"
 
 namespace pellucid {
 namespace {

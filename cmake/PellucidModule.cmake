@@ -23,7 +23,7 @@ function(pellucid_module name)
   target_compile_features(pellucid_${name} PUBLIC cxx_std_20)
   target_include_directories(pellucid_${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src)
+    PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(pellucid_${name}
     PUBLIC ${MODULE_USES}
     PRIVATE $<BUILD_INTERFACE:pellucid_defaults> ${MODULE_PRIVATE_USES})

@@ -23,7 +23,7 @@ function(pellucid_test name)
   cmake_parse_arguments(TEST "" "SHARDS" "SOURCES;USES;SLOW;QUICK" ${ARGN})
   add_executable(${name}_test ${TEST_SOURCES})
   target_link_libraries(${name}_test PRIVATE ${TEST_USES} pellucid_defaults GTest::gtest_main GTest::gmock)
-  target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
   target_compile_definitions(${name}_test PRIVATE PELLUCID_MODELS="${PELLUCID_MODELS}")
   # Half of a build of the tests was GoogleTest's and JSON's headers and the optimisation of code that runs once. The
   # headers are compiled once, for the first program.

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "asset/obj_material.h"
+#include "base/record.h"
 #include "camera_path.h"
 #include "input_file.h"
-#include "order/record.h"
 #include "pellucid/animation.h"
 #include "pellucid/asset.h"
 #include "pellucid/material.h"

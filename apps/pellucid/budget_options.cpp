@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "choice.h"
+#include "pellucid/asset.h"
 #include "pellucid/budget_maps.h"
 #include "pellucid/material.h"
 #include "pellucid/metric.h"

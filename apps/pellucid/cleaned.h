@@ -7,7 +7,7 @@
 
 #include "pellucid/asset.h"
 #include "pellucid/mesh.h"
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
 
 namespace pellucid::cli {
 

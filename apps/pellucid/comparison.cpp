@@ -171,7 +171,7 @@ void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOp
 
 // What it drew and where it errs, if one can see it.
 std::vector<ReportPicture> pictures_of(const std::string& name, const Image& exact, const RenderResult& drawn,
-                                       const PictureError& error) {
+                                       const ImageError& error) {
   if (error.differing == 0) return {};
   const Image image = to_image(drawn);
   return {{name, encode_png(image)},
@@ -335,7 +335,7 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.title = info.title;
     row.exact = info.exact;
     if (!one.failure().empty()) continue;
-    row.error = picture_error(exact.pixels, result.pixels, exact.stats.seen_pixels);
+    row.error = image_error(exact.pixels, result.pixels, exact.stats.seen_pixels);
     row.perceived =
         perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.seen_pixels);
     row.pictures = pictures_of(name, exact_image, result, *row.error);

@@ -7,11 +7,13 @@
 #include "cleaned.h"
 #include "order_options.h"
 #include "order_outcome.h"
+#include "pellucid/baseline.h"
 #include "pellucid/checkpoint.h"
-#include "pellucid/cycles.h"
 #include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
+#include "pellucid/sequencing.h"
 #include "pellucid/shading.h"
+#include "pellucid/transparency.h"
 #include "session.h"
 #include "terminal_progress.h"
 
@@ -168,7 +170,7 @@ void print_plan(const Model& model, const Selection& selection, const OrderComma
     const double list = static_cast<double>(primitive.mesh.triangles.size()) *
                         (facing == Facing::duplicated ? kTypicalTwins : 1.0);
     const std::uint64_t bytes =
-        static_cast<std::uint64_t>(list) * 3 * (primitive.mesh.positions.size() < 65535 ? 2 : 4);
+        static_cast<std::uint64_t>(list) * 3 * bytes_per_index(primitive.mesh.positions.size());
     table.add_row({primitive.name, primitive.material_name.empty() ? "(none)" : primitive.material_name,
                    format_count(primitive.mesh.triangles.size()),
                    facing == Facing::single ? "single" : "duplicated", format_bytes(bytes),

@@ -8,7 +8,7 @@
 
 #include "order_batch.h"
 #include "pellucid/asset.h"
-#include "pellucid/order.h"
+#include "pellucid/transparency.h"
 #include "selection.h"
 #include "splitting.h"
 

@@ -11,6 +11,7 @@
 #include "cleaned.h"
 #include "order_options.h"
 #include "overdraw_subject.h"
+#include "pellucid/asset.h"
 #include "pellucid/metric.h"
 #include "pellucid/report.h"
 #include "pellucid/subdivide.h"

@@ -11,6 +11,7 @@
 #include "choice.h"
 #include "deep_pixels.h"
 #include "file_camera.h"
+#include "pellucid/asset.h"
 #include "pellucid/metric.h"
 #include "pellucid/report.h"
 #include "scene.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pellucid/cycles.h"
+#include "pellucid/transparency.h"
 
 namespace pellucid::cli {
 

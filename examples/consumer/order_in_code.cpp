@@ -1,5 +1,6 @@
 // Order a mesh that a program made itself, and ask which buffer draws it from a camera.
-#include <pellucid/order.h>
+#include <pellucid/sequencing.h>
+#include <pellucid/transparency.h>
 
 #include <cmath>
 #include <iostream>

@@ -14,7 +14,7 @@
 
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
 #include "pellucid/split.h"
 
 namespace pellucid {
@@ -123,5 +123,10 @@ bool triangles_may_change(const Model& model, std::uint32_t primitive);
 
 // Bytes that the index data of an order set takes in memory when drawn: 2 or 4 bytes an index.
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh);
+
+// Write an 8-bit RGB PNG through a temporary file. Throws Error{cannot_write}.
+void write_png(const Image& image, const std::string& path);
+// The same bytes in memory.
+std::vector<std::uint8_t> encode_png(const Image& image);
 
 }  // namespace pellucid

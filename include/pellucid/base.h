@@ -208,4 +208,11 @@ class ThreadLimit {
   void* control_;
 };
 
+struct Image {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;  // 3 bytes a pixel, sRGB, upper row first
+};
+
+std::string format_count(std::uint64_t count);  // 12,345
+
 }  // namespace pellucid

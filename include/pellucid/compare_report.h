@@ -20,46 +20,6 @@ namespace pellucid {
 
 // ------------------------------------------------------------------------------------ pictures and errors
 
-// Of sRGB colours, 0..1, without rounding to 8 bits.
-struct PictureError {
-  double psnr = 100;            // dB over covered pixels; 100 at most
-  double largest = 0;           // difference of a channel
-  std::uint64_t differing = 0;  // pixels that differ by more than 1/255 in a channel
-};
-// Linear colours of two pictures of the same size. Pixels that nothing covers are background in both.
-PictureError picture_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
-                           std::uint64_t covered_pixels);
-
-// What the eye notices, over covered pixels: both are sums over the picture by their number.
-struct PerceivedError {
-  // Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 2004) of sRGB luma, window of
-  // Gaussian weights, sigma 1.5, 11 x 11 pixels; 1: equal.
-  double ssim = 1;
-  // The colour part of FLIP (Andersson et al., HPG 2020) in its simplest form: mean HyAB distance in CIELAB,
-  // the sum of the difference in lightness and the Euclidean one in hue and chroma, after a Gaussian, sigma 1
-  // pixel, in linear light in place of its filters; no edges. 0: equal; 100: black and white.
-  double hyab = 0;
-};
-PerceivedError perceived_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
-                               std::uint32_t width, std::uint32_t height, std::uint64_t covered_pixels);
-
-// How much more a sequence of pictures changes than the exact one: the change of the error from picture to
-// picture, |(A' - A) - (E' - E)|, mean over covered pixels, channels and steps; in 1/255 of a channel, sRGB.
-class Flicker {
- public:
-  // The next picture, and what it would be; linear colours. `covered_pixels` of the exact one.
-  void add(std::span<const Vec3f> exact, std::span<const Vec3f> drawn, std::uint64_t covered_pixels);
-  [[nodiscard]] std::optional<double> mean() const;  // none: fewer than two pictures
-
- private:
-  std::vector<float> error_;  // of the last picture
-  double sum_ = 0;
-  std::uint64_t steps_ = 0;
-};
-
-// White where two pictures agree, from pale to dark red where they do not.
-Image difference_image(const Image& exact, const Image& drawn);
-
 // ------------------------------------------------------------------------------------------------- a scene
 
 // A heat map for the page: white where there is none, then darker for more.
@@ -74,7 +34,7 @@ struct ComparedTechnique {
   bool exact = false;   // by what it promises
   std::string failure;  // why there is nothing else; empty: it was drawn
   CaptureStats stats;   // milliseconds: the median of the frames
-  std::optional<PictureError> error;
+  std::optional<ImageError> error;
   // What it drew, and the difference from the exact picture. Empty where it differs nowhere by more than
   // 1/255.
   std::vector<ReportPicture> pictures;

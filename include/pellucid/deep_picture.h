@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "pellucid/order.h"
 #include "pellucid/raster.h"
 #include "pellucid/render.h"
+#include "pellucid/sequencing.h"
 
 namespace pellucid {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pellucid/order.h"
+#include "pellucid/transparency.h"
 
 namespace pellucid {
 

@@ -1,7 +1,7 @@
 // pellucid/mesh.h - module `mesh`: indexed triangle meshes; check, clean, weld, simplify, sample.
 //
 // In: positions and triangles from a reader or a program. Out: a Mesh that the other modules may trust
-// (indices in range, positions finite). Sources: orders.md; meshoptimizer for simplification.
+// (indices in range, positions finite). Simplification is by meshoptimizer.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// pellucid/overdraw.h - module `order`: a few triangle orders that reduce overdraw, for all views and poses.
+// pellucid/overdraw.h - module `overdraw`: a few triangle orders that reduce overdraw, for all views and
+// poses.
 //
 // In: an opaque mesh and its poses. Out: k orders of its patches and the table that says which of them draws
 // which key frame best from which direction. Every order draws the right picture; good ones draw what is
@@ -10,32 +11,17 @@
 // 1 is the least. Excess overdraw is OVR - 1.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <functional>
-#include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
-#include "pellucid/raster.h"
+#include "pellucid/metric.h"
 #include "pellucid/view.h"
 
 namespace pellucid {
-
-struct OverdrawSubject {
-  std::vector<Triangle> triangles;
-  // Draw calls: the triangles of a part are drawn one after the other, with nothing of another part between
-  // them. The first triangle of every part, ascending from 0.
-  std::vector<std::uint32_t> parts{0};
-  // By triangle: its back is drawn, too. Empty: back faces are culled.
-  std::vector<std::uint8_t> double_sided;
-  // Vertex positions of every pose, all of one size. A static mesh has one.
-  std::vector<std::vector<Vec3f>> frames;
-};
 
 enum class OverdrawMethod {
   paper,    // Algorithm 1: patches by summed distance
@@ -105,9 +91,6 @@ OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOpti
 std::vector<std::uint32_t> cheapest_orders(const OverdrawSubject& poses, const OverdrawOrders& orders,
                                            const OverdrawOptions& options);
 
-// Of every frame, round the vertices that triangles use.
-std::vector<BoundingSphere> pose_spheres(const OverdrawSubject& subject);
-
 // Triangles in drawing order.
 std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order);
 
@@ -120,72 +103,5 @@ std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint
 std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject, std::uint32_t frame,
                                                  std::span<const std::uint32_t> cached, double lambda,
                                                  std::uint32_t cache_size);
-
-// Misses of a first-in first-out vertex cache for triangles in this sequence.
-std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const std::uint32_t> sequence,
-                           std::uint32_t vertex_count, std::uint32_t cache_size);
-
-// Misses per triangle when each of the orders is drawn by itself, mean.
-double acmr_of(const OverdrawSubject& subject, const std::vector<std::vector<std::uint32_t>>& sequences,
-               std::uint32_t cache_size);
-
-// -------------------------------------------------------------------------------------------- measurement
-
-// One way of drawing the subject: where every triangle stands in the sequence that draws a pose from a
-// viewpoint. Called from several threads at once.
-struct OverdrawContender {
-  std::string name;
-  std::function<std::span<const std::uint32_t>(std::uint32_t frame, const Viewpoint& viewpoint)> ranks;
-};
-
-struct OverdrawQuality {
-  std::string name;
-  double mean = 0, max = 0;      // over the pictures that anything was seen in
-  std::vector<double> by_frame;  // mean over its pictures; 0 where nothing was seen
-};
-
-struct OverdrawMeasurement {
-  // Held out: never the seed of anything that trains. Viewpoints within three radii, as in the paper.
-  std::uint32_t viewpoints = 300;
-  double min_distance = 1.5, max_distance = 3;
-  std::uint64_t seed = 20170928;
-  std::uint32_t size = 256;
-  // Pictures in all: where frames x viewpoints are more, every frame is seen from some of the viewpoints, and
-  // every viewpoint sees some of the frames. 0: all.
-  std::uint64_t most_pictures = 0;
-  Progress* progress = nullptr;
-};
-// All contenders on the same pictures, fragment by fragment: it knows nothing of patches, and so checks what
-// order_overdraw() counts.
-std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subject,
-                                                    std::span<const OverdrawContender> contenders,
-                                                    const OverdrawMeasurement& options);
-
-// Fragments of one pixel, sorted by depth, that pass a strict depth test when drawn by rank_of(fragment): of
-// those at one depth only the first drawn can. Fragments of the greatest rank are not drawn.
-template <class RankOf>
-std::uint32_t count_shaded(std::span<const Fragment> fragments, const RankOf& rank_of) {
-  constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t shaded = 0;
-  std::uint32_t first = kNotDrawn;  // least rank of everything nearer
-  for (std::size_t i = 0; i < fragments.size();) {
-    const float depth = fragments[i].depth;
-    std::uint32_t rank = kNotDrawn;
-    for (; i < fragments.size() && fragments[i].depth == depth; ++i)
-      rank = std::min(rank, rank_of(fragments[i]));
-    if (rank >= first) continue;
-    first = rank;
-    ++shaded;
-  }
-  return shaded;
-}
-
-// Fragments shaded at every pixel of one picture, size x size, upper row first.
-std::vector<std::uint32_t> shaded_fragments(const OverdrawSubject& subject, std::uint32_t frame,
-                                            const Viewpoint& viewpoint, std::uint32_t size,
-                                            std::span<const std::uint32_t> ranks);
-
-// ranks[triangle] = its place in the sequence.
-std::vector<std::uint32_t> triangle_ranks(std::span<const std::uint32_t> sequence);
 
 }  // namespace pellucid

@@ -12,53 +12,11 @@
 #include <vector>
 
 #include "pellucid/base.h"
+#include "pellucid/baseline.h"
 #include "pellucid/metric.h"
 #include "pellucid/overdraw.h"
 
 namespace pellucid {
-
-// A key frame of the subject: frame f of OverdrawSubject::frames shows clip `clip` at `time`.
-struct PosedFrame {
-  std::uint32_t clip = 0;
-  double time = 0;
-};
-
-// Orders for all key frames of a model: one set for all clips ("joint"), or one for each ("per animation").
-struct OverdrawSets {
-  std::vector<OverdrawOrders> sets;
-  std::vector<std::uint32_t> set_of;        // by frame
-  std::vector<std::uint32_t> frame_in_set;  // by frame
-  std::uint32_t view_level = 2;
-
-  [[nodiscard]] std::uint32_t order_count() const;
-};
-// `joint`: one set; else one per clip, in the order of the clips.
-OverdrawSets order_overdraw_sets(const OverdrawSubject& subject, const std::vector<PosedFrame>& frames,
-                                 const OverdrawOptions& options, bool joint);
-
-// A way of drawing the subject, measured beside others.
-struct OverdrawRival {
-  std::string name;  // "refined", "paper", "single", "per-frame", "meshopt", "original", "input"
-  std::uint32_t buffers = 1;
-  double acmr = 0;              // mean over its buffers
-  OverdrawContender contender;  // holds its ranks by itself
-};
-OverdrawRival rival_of(const std::string& name, const OverdrawSubject& subject, OverdrawSets sets,
-                       std::uint32_t cache_size);
-
-struct RivalOptions {
-  std::vector<std::string> names;  // of "input", "original", "meshopt", "per-frame", "single", "paper"
-  OverdrawOptions orders;          // lambda, cache, buffers, seed: those of the orders they stand beside
-  bool joint = true;
-  double acmr = 0;          // meshopt: with the threshold that gives it at least so many misses per triangle
-  std::vector<Vec3f> rest;  // vertices of the rest pose: what meshopt is given
-};
-std::vector<OverdrawRival> make_overdraw_rivals(const OverdrawSubject& subject,
-                                                const std::vector<PosedFrame>& frames,
-                                                const RivalOptions& options);
-// meshopt_optimizeVertexCache and meshopt_optimizeOverdraw of every part.
-std::vector<std::uint32_t> meshopt_overdraw_order(const OverdrawSubject& subject,
-                                                  const std::vector<Vec3f>& rest, float threshold);
 
 // One row of the table.
 struct OverdrawRow {

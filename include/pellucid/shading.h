@@ -1,4 +1,4 @@
-// pellucid/shading.h - module `order`, second header: what a pixel's fragments look like and blend to, and
+// pellucid/shading.h - module `metric`, second header: what a pixel's fragments look like and blend to, and
 // how far a frame in a wrong order is off.
 //
 // The two shaders of In-Depth Buffers, section 7 and figure 4: a translucent surface lit per pixel, and depth
@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "pellucid/mesh.h"
-#include "pellucid/order.h"
 #include "pellucid/raster.h"
+#include "pellucid/sequencing.h"
 
 namespace pellucid {
 
@@ -87,6 +87,23 @@ double linear_from_srgb(double encoded);
 
 // Put a pixel's fragments in drawing order; those without a rank are taken out.
 void put_in_drawn_order(std::vector<ShadedFragment>& fragments, std::span<const std::uint32_t> ranks);
+
+// Is the drawing order of one pixel's fragments (sorted by depth) right? Wrong: a fragment's node has no
+// rank, or a nearer fragment comes later. Fragments whose depths differ by no more than kDepthTie count as
+// coincident: they may come in either order.
+constexpr float kDepthTie = 1e-6F;  // of the 0..1 depth range
+bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
+
+// Does verified blending (render.h) leave it as it is? Each fragment has to be drawn after all that are
+// nearer, and none may lie at the depth of another one.
+bool pixel_is_verified(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
+
+struct PixelCount {
+  std::uint64_t foreground = 0;  // pixels with at least one fragment
+  std::uint64_t incorrect = 0;   // of these, pixels that are not in order: IPR = incorrect / foreground
+  std::uint64_t repaired = 0;    // of these, pixels that are not verified
+};
+PixelCount count_incorrect_pixels(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks);
 
 constexpr double kPerfectPsnr = 100;  // dB, for frames without any error
 

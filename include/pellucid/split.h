@@ -2,8 +2,9 @@
 //
 // Faces that pass through each other, and faces that overlap in a cycle, have no right drawing order; their
 // pieces have one. In: a clean Mesh. Out: the same surface with more triangles, and where each of them and of
-// the new vertices comes from, so that whoever holds attributes can interpolate them. pellucid/cycles.h
-// (module `order`) finds the cycles. How it works and what it costs: docs/in-depth-buffers.md, section 8.
+// the new vertices comes from, so that whoever holds attributes can interpolate them. pellucid/transparency.h
+// (module `transparency`) finds the cycles. How it works and what it costs: docs/in-depth-buffers.md,
+// section 8.
 #pragma once
 
 #include <array>

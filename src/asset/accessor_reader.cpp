@@ -1,12 +1,12 @@
 // Typed elements out of accessors: see accessor_reader.h. Format: glTF 2.0, section 3.6.2.
-#include "accessor_reader.h"
+#include "asset/accessor_reader.h"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
-#include "component.h"
-#include "meshopt_view.h"
+#include "asset/component.h"
+#include "asset/meshopt_view.h"
 
 namespace pellucid {
 namespace {

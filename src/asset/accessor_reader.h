@@ -5,8 +5,8 @@
 #include <map>
 #include <span>
 
-#include "gltf_document.h"
-#include "json_fields.h"
+#include "asset/gltf_document.h"
+#include "asset/json_fields.h"
 
 namespace pellucid {
 

@@ -1,5 +1,5 @@
 // Single numbers as glTF stores them: see component.h.
-#include "component.h"
+#include "asset/component.h"
 
 #include <algorithm>
 #include <cmath>

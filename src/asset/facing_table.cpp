@@ -1,5 +1,5 @@
 // Index triples to nodes: see facing_table.h.
-#include "facing_table.h"
+#include "asset/facing_table.h"
 
 #include <algorithm>
 #include <tuple>

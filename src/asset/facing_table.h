@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
 
 namespace pellucid {
 

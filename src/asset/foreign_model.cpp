@@ -1,5 +1,5 @@
 // What the readers of PLY, OBJ, STL and OFF share: see foreign_model.h.
-#include "foreign_model.h"
+#include "asset/foreign_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // Animations: see gltf_animation.h. Format: glTF 2.0, section 3.11 and appendix C.
-#include "gltf_animation.h"
+#include "asset/gltf_animation.h"
 
 #include <cmath>
 #include <tuple>
 
-#include "component.h"
-#include "gltf_deformation.h"
+#include "asset/component.h"
+#include "asset/gltf_deformation.h"
 
 namespace pellucid {
 namespace {

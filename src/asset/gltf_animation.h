@@ -1,7 +1,7 @@
 // Internal to the module `asset`: glTF animations become channels and curves.
 #pragma once
 
-#include "accessor_reader.h"
+#include "asset/accessor_reader.h"
 #include "pellucid/animation.h"
 
 namespace pellucid {

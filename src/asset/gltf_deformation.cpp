@@ -1,10 +1,10 @@
 // Joints, weights and morph targets of a primitive: see gltf_deformation.h. Format: glTF 2.0, section 3.7.
-#include "gltf_deformation.h"
+#include "asset/gltf_deformation.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "component.h"
+#include "asset/component.h"
 
 namespace pellucid {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "accessor_reader.h"
+#include "asset/accessor_reader.h"
 #include "pellucid/animation.h"
 
 namespace pellucid {

@@ -1,14 +1,14 @@
 // Load a .gltf or .glb with all its buffers: see gltf_document.h. Format: glTF 2.0, sections 3.6 and 4.
-#include "gltf_document.h"
+#include "asset/gltf_document.h"
 
 #include <cstring>
 #include <filesystem>
 
-#include "glb.h"
-#include "gltf_json.h"
-#include "json_fields.h"
-#include "text_cursor.h"
-#include "uri.h"
+#include "asset/glb.h"
+#include "asset/gltf_json.h"
+#include "asset/json_fields.h"
+#include "asset/text_cursor.h"
+#include "asset/uri.h"
 
 namespace pellucid {
 namespace {

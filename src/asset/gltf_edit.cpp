@@ -1,11 +1,11 @@
 // Changes to a glTF document: see gltf_edit.h.
-#include "gltf_edit.h"
+#include "asset/gltf_edit.h"
 
 #include <algorithm>
 #include <cstring>
 #include <set>
 
-#include "json_fields.h"
+#include "asset/json_fields.h"
 
 namespace pellucid {
 namespace {
@@ -91,7 +91,7 @@ std::vector<const Json*> ranges_of(const Json& view) {
 }  // namespace
 
 IndexWidth vertex_index_width(std::uint64_t vertices) {
-  return vertices <= 65535 ? IndexWidth::two_bytes : IndexWidth::four_bytes;
+  return bytes_per_index(vertices) == 2 ? IndexWidth::two_bytes : IndexWidth::four_bytes;
 }
 
 IndexWidth value_width(std::uint64_t count) {

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "gltf_document.h"
+#include "asset/gltf_document.h"
 
 namespace pellucid {
 

@@ -1,5 +1,5 @@
 // JSON text to a document: see gltf_json.h.
-#include "gltf_json.h"
+#include "asset/gltf_json.h"
 
 namespace pellucid {
 namespace {

@@ -2,10 +2,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "glb.h"
-#include "gltf_document.h"
-#include "json_fields.h"
-#include "uri.h"
+#include "asset/glb.h"
+#include "asset/gltf_document.h"
+#include "asset/json_fields.h"
+#include "asset/uri.h"
 
 namespace pellucid {
 namespace {

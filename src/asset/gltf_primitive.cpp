@@ -1,9 +1,9 @@
 // One glTF mesh primitive: triangles of any form, material, orders. Format: glTF 2.0, section 3.7.2.
-#include "gltf_primitive.h"
+#include "asset/gltf_primitive.h"
 
 #include <limits>
 
-#include "order_extension.h"
+#include "asset/order_extension.h"
 
 namespace pellucid {
 namespace {

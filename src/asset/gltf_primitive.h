@@ -1,7 +1,7 @@
 // Internal to the module `asset`: one glTF mesh primitive becomes a Primitive.
 #pragma once
 
-#include "accessor_reader.h"
+#include "asset/accessor_reader.h"
 
 namespace pellucid {
 

@@ -1,5 +1,5 @@
 // Node hierarchy and world matrices: see gltf_scene.h. Format: glTF 2.0, section 3.5.
-#include "gltf_scene.h"
+#include "asset/gltf_scene.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "json_fields.h"
+#include "asset/json_fields.h"
 
 namespace pellucid {
 

@@ -1,11 +1,11 @@
 // Which accessors may be overwritten in place: see gltf_usage.h.
-#include "gltf_usage.h"
+#include "asset/gltf_usage.h"
 
 #include <algorithm>
 #include <limits>
 #include <map>
 
-#include "json_fields.h"
+#include "asset/json_fields.h"
 
 namespace pellucid {
 namespace {

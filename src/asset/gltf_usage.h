@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "gltf_document.h"
+#include "asset/gltf_document.h"
 
 namespace pellucid {
 

@@ -1,5 +1,5 @@
 // Typed look-ups in JSON: see json_fields.h.
-#include "json_fields.h"
+#include "asset/json_fields.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "gltf_document.h"
+#include "asset/gltf_document.h"
 
 namespace pellucid {
 

@@ -1,6 +1,6 @@
 // Compressed buffer views: see meshopt_view.h. Format: EXT_meshopt_compression (Khronos, ratified), version 0
 // of the attribute codec and version 1 of the index codecs, through meshoptimizer.
-#include "meshopt_view.h"
+#include "asset/meshopt_view.h"
 
 #include <meshoptimizer.h>
 

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "json_fields.h"
+#include "asset/json_fields.h"
 
 namespace pellucid {
 

@@ -1,11 +1,11 @@
 // Models of other formats as glTF documents: see minimal_document.h.
-#include "minimal_document.h"
+#include "asset/minimal_document.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "gltf_edit.h"
+#include "asset/gltf_edit.h"
 
 namespace pellucid {
 namespace {

@@ -1,10 +1,10 @@
 // Materials of OBJ files: see obj_material.h.
-#include "obj_material.h"
+#include "asset/obj_material.h"
 
 #include <algorithm>
 #include <optional>
 
-#include "text_cursor.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

@@ -1,11 +1,11 @@
 // The arrays of order sets out: see order_arrays.h.
-#include "order_arrays.h"
+#include "asset/order_arrays.h"
 
 #include <algorithm>
 #include <bit>
 
-#include "component.h"
-#include "meshopt_view.h"
+#include "asset/component.h"
+#include "asset/meshopt_view.h"
 
 namespace pellucid {
 namespace {

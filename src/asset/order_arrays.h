@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
-#include "gltf_edit.h"
-#include "order_extension.h"
+#include "asset/gltf_edit.h"
+#include "asset/order_extension.h"
 
 namespace pellucid {
 

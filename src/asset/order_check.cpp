@@ -1,12 +1,12 @@
 // Checks of a caller's orders: see order_check.h.
-#include "order_check.h"
+#include "asset/order_check.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <set>
 
-#include "text_cursor.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

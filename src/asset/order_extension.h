@@ -2,7 +2,7 @@
 // (docs/file-format.md), its JSON and its arrays, in and out.
 #pragma once
 
-#include "accessor_reader.h"
+#include "asset/accessor_reader.h"
 
 namespace pellucid {
 

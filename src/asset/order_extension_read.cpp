@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include "facing_table.h"
-#include "order_extension.h"
-#include "text_cursor.h"
+#include "asset/facing_table.h"
+#include "asset/order_extension.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

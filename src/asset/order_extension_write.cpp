@@ -1,7 +1,7 @@
 // The order extension out: see order_extension.h.
 #include <cmath>
 
-#include "order_extension.h"
+#include "asset/order_extension.h"
 
 namespace pellucid {
 namespace {

@@ -1,5 +1,5 @@
 // Pictures: see picture_file.h. PNG by libpng's simplified interface, JPEG by libjpeg.
-#include "picture_file.h"
+#include "asset/picture_file.h"
 
 #include <png.h>
 

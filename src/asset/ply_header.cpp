@@ -1,11 +1,11 @@
 // The header of a PLY file: see ply_header.h.
-#include "ply_header.h"
+#include "asset/ply_header.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "text_cursor.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

@@ -1,9 +1,9 @@
 // Cameras of a glTF model: see pellucid/model_camera.h.
 #include <cmath>
 
-#include "gltf_scene.h"
+#include "asset/gltf_scene.h"
+#include "asset/text_cursor.h"
 #include "pellucid/model_camera.h"
-#include "text_cursor.h"
 
 namespace pellucid {
 namespace {

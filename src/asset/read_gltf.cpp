@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 
-#include "gltf_primitive.h"
-#include "gltf_scene.h"
-#include "order_extension.h"
-#include "readers.h"
+#include "asset/gltf_primitive.h"
+#include "asset/gltf_scene.h"
+#include "asset/order_extension.h"
+#include "asset/readers.h"
 
 namespace pellucid {
 namespace {

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <map>
 
-#include "gltf_deformation.h"
+#include "asset/gltf_deformation.h"
+#include "asset/picture_file.h"
+#include "asset/text_cursor.h"
+#include "asset/uri.h"
 #include "pellucid/material.h"
-#include "picture_file.h"
-#include "text_cursor.h"
-#include "uri.h"
 
 namespace pellucid {
 namespace {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "gltf_edit.h"
-#include "readers.h"
+#include "asset/gltf_edit.h"
+#include "asset/readers.h"
 
 namespace pellucid {
 namespace {

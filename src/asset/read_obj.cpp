@@ -8,10 +8,10 @@
 #include <set>
 #include <unordered_map>
 
-#include "foreign_model.h"
-#include "obj_material.h"
-#include "readers.h"
-#include "text_cursor.h"
+#include "asset/foreign_model.h"
+#include "asset/obj_material.h"
+#include "asset/readers.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

@@ -1,8 +1,8 @@
 // OFF (Geomview's object file format): OFF, COFF, NOFF, STOFF and their combinations as text; polygons,
 // comments.
-#include "foreign_model.h"
-#include "readers.h"
-#include "text_cursor.h"
+#include "asset/foreign_model.h"
+#include "asset/readers.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "foreign_model.h"
-#include "ply_header.h"
-#include "readers.h"
-#include "text_cursor.h"
+#include "asset/foreign_model.h"
+#include "asset/ply_header.h"
+#include "asset/readers.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gltf_animation.h"
-#include "gltf_deformation.h"
-#include "gltf_scene.h"
+#include "asset/gltf_animation.h"
+#include "asset/gltf_deformation.h"
+#include "asset/gltf_scene.h"
 
 namespace pellucid {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <limits>
 
-#include "foreign_model.h"
-#include "readers.h"
-#include "text_cursor.h"
+#include "asset/foreign_model.h"
+#include "asset/readers.h"
+#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

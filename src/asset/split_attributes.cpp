@@ -1,5 +1,5 @@
 // Attributes of vertices that splitting adds: see split_attributes.h. Format: glTF 2.0, section 3.7.2.
-#include "split_attributes.h"
+#include "asset/split_attributes.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 #include <set>
 #include <string_view>
 
-#include "accessor_reader.h"
-#include "component.h"
-#include "json_fields.h"
+#include "asset/accessor_reader.h"
+#include "asset/component.h"
+#include "asset/json_fields.h"
 
 namespace pellucid {
 namespace {

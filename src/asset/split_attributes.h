@@ -1,7 +1,7 @@
 // Internal to the module `asset`: attributes for the vertices that splitting adds to a glTF primitive.
 #pragma once
 
-#include "gltf_edit.h"
+#include "asset/gltf_edit.h"
 
 namespace pellucid {
 

@@ -1,5 +1,5 @@
 // Words and numbers of a text file: see text_cursor.h.
-#include "text_cursor.h"
+#include "asset/text_cursor.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,5 @@
 // data: and relative uris: see uri.h.
-#include "uri.h"
+#include "asset/uri.h"
 
 #include <array>
 #include <cctype>

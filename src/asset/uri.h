@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "gltf_document.h"
+#include "asset/gltf_document.h"
 
 namespace pellucid {
 

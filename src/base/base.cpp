@@ -13,4 +13,10 @@ std::uint64_t peak_rss_bytes() {
   return platform::peak_rss_bytes();
 }
 
+std::string format_count(std::uint64_t count) {
+  std::string digits = std::to_string(count);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, 1, ',');
+  return digits;
+}
+
 }  // namespace pellucid

@@ -1,7 +1,7 @@
 // From the caller's arrays to meshes and frames: see handles.h.
 #include <cmath>
 
-#include "handles.h"
+#include "c/handles.h"
 
 namespace pellucid::c {
 namespace {

@@ -1,5 +1,5 @@
 // See callback_progress.h.
-#include "callback_progress.h"
+#include "c/callback_progress.h"
 
 namespace pellucid::c {
 namespace {

@@ -12,7 +12,8 @@
 #include "pellucid/asset.h"
 #include "pellucid/c/pellucid.h"
 #include "pellucid/mesh.h"
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
+#include "pellucid/transparency.h"
 
 struct PellucidOrderSet {
   pellucid::OrderSet orders;  // nodes refer to `triangles`

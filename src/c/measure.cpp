@@ -1,10 +1,11 @@
 // Measure orders, through the C interface.
 #include <numeric>
 
-#include "callback_progress.h"
-#include "handles.h"
+#include "c/callback_progress.h"
+#include "c/handles.h"
 #include "pellucid/metric.h"
 #include "pellucid/overdraw.h"
+#include "pellucid/sequencing.h"
 
 namespace pellucid::c {
 namespace {

@@ -1,7 +1,7 @@
 // Model files, through the C interface.
 #include <memory>
 
-#include "handles.h"
+#include "c/handles.h"
 
 namespace pellucid::c {
 namespace {

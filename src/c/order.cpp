@@ -1,8 +1,9 @@
 // Order a mesh, through the C interface.
 #include <memory>
 
-#include "callback_progress.h"
-#include "handles.h"
+#include "c/callback_progress.h"
+#include "c/handles.h"
+#include "pellucid/metric.h"
 #include "pellucid/overdraw.h"
 
 namespace pellucid::c {

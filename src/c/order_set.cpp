@@ -2,12 +2,10 @@
 #include <cmath>
 #include <memory>
 
-#include "handles.h"
+#include "c/handles.h"
 
 namespace pellucid::c {
 namespace {
-
-constexpr std::uint64_t kShortIndexVertices = 65536;
 
 // select.h finds corners of triangles where cells are vertices: one entry for each.
 void append_row(const OrderSet& orders, const ViewPartition& partition, const std::uint32_t* row,
@@ -59,7 +57,7 @@ void write_indices(const std::vector<Triangle>& triangles, const NodeSequence& n
 void copy_indices(const PellucidOrderSet& set, std::uint32_t order, PellucidDirection direction,
                   std::uint32_t index_bytes, void* destination) {
   require(index_bytes == 2 || index_bytes == 4, "index_bytes must be 2 or 4");
-  require(index_bytes == 4 || set.vertex_count <= kShortIndexVertices,
+  require(index_bytes == 4 || bytes_per_index(set.vertex_count) == 2,
           "2 bytes do not hold the indices of so many vertices");
   require(direction == pellucid_front_to_back || direction == pellucid_back_to_front,
           "direction: there is no such value");

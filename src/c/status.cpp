@@ -2,7 +2,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "handles.h"
+#include "c/handles.h"
 
 namespace pellucid::c {
 namespace {

@@ -1,5 +1,5 @@
 // A tree of boxes: see box_tree.h.
-#include "box_tree.h"
+#include "mesh/box_tree.h"
 
 namespace pellucid {
 namespace {

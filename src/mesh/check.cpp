@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "mesh_predicates.h"
+#include "mesh/mesh_predicates.h"
 #include "pellucid/mesh.h"
 
 namespace pellucid {

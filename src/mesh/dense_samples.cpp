@@ -1,6 +1,6 @@
 // Samples of high depth complexity: see dense_samples.h. The same numbers every time: each begins with a seed
 // of its own.
-#include "dense_samples.h"
+#include "mesh/dense_samples.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "sample_shapes.h"
+#include "mesh/sample_shapes.h"
 
 namespace pellucid {
 namespace {

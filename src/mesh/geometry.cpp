@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mesh_predicates.h"
+#include "mesh/mesh_predicates.h"
 #include "pellucid/mesh.h"
 
 namespace pellucid {

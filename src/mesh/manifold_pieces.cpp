@@ -6,7 +6,7 @@
 // can only be an end of such a fan, so that at most two triangles of the result have it, and they pass it in
 // opposite directions. An edge with neighbours may come twice in one fan (a leaf modelled with front and back
 // that are joined along the rim); it is then cut, and becomes one of the former kind.
-#include "manifold_pieces.h"
+#include "mesh/manifold_pieces.h"
 
 #include <algorithm>
 #include <numeric>

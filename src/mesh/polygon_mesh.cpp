@@ -1,10 +1,10 @@
 // A mesh while its triangles are being cut: see polygon_mesh.h.
-#include "polygon_mesh.h"
+#include "mesh/polygon_mesh.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "triangulate.h"
+#include "mesh/triangulate.h"
 
 namespace pellucid {
 namespace {

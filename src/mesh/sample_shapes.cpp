@@ -1,5 +1,5 @@
 // Shapes of the procedural samples: see sample_shapes.h.
-#include "sample_shapes.h"
+#include "mesh/sample_shapes.h"
 
 #include <algorithm>
 #include <array>

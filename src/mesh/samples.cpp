@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "dense_samples.h"
+#include "mesh/dense_samples.h"
+#include "mesh/sample_shapes.h"
 #include "pellucid/mesh.h"
-#include "sample_shapes.h"
 
 namespace pellucid {
 namespace {

@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "box_tree.h"
-#include "polygon_mesh.h"
+#include "mesh/box_tree.h"
+#include "mesh/polygon_mesh.h"
 
 namespace pellucid {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <memory>
 
-#include "manifold_pieces.h"
+#include "mesh/manifold_pieces.h"
 
 namespace pellucid {
 namespace {

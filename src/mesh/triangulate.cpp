@@ -1,5 +1,5 @@
 // Convex polygons to triangles: see triangulate.h.
-#include "triangulate.h"
+#include "mesh/triangulate.h"
 
 #include <algorithm>
 #include <limits>

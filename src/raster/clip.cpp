@@ -1,5 +1,5 @@
 // clip.cpp - see clip.h.
-#include "clip.h"
+#include "raster/clip.h"
 
 #include <tuple>
 

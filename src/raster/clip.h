@@ -7,7 +7,7 @@
 #include <array>
 #include <span>
 
-#include "projection.h"
+#include "raster/projection.h"
 
 namespace pellucid::raster {
 

@@ -1,14 +1,14 @@
 // coverage.cpp - see coverage.h.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "coverage.cpp"
-#include "coverage.h"
+#define HWY_TARGET_INCLUDE "raster/coverage.cpp"
+#include "raster/coverage.h"
 
 #include <algorithm>
 #include <bit>
 
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "projection.h"
+#include "raster/projection.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pellucid::raster {

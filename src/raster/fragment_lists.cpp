@@ -1,5 +1,5 @@
 // fragment_lists.cpp - see fragment_lists.h.
-#include "fragment_lists.h"
+#include "raster/fragment_lists.h"
 
 #include <algorithm>
 #include <bit>

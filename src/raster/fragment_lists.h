@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "spans.h"
+#include "raster/spans.h"
 
 namespace pellucid::raster {
 

@@ -1,5 +1,5 @@
 // projection.cpp - see projection.h.
-#include "projection.h"
+#include "raster/projection.h"
 
 #include <cmath>
 

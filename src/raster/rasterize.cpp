@@ -3,10 +3,10 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "fragment_lists.h"
 #include "pellucid/raster.h"
-#include "projection.h"
-#include "spans.h"
+#include "raster/fragment_lists.h"
+#include "raster/projection.h"
+#include "raster/spans.h"
 
 namespace pellucid {
 

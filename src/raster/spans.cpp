@@ -1,10 +1,10 @@
 // spans.cpp - see spans.h.
-#include "spans.h"
+#include "raster/spans.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "clip.h"
+#include "raster/clip.h"
 
 namespace pellucid::raster {
 namespace {

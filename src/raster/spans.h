@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "coverage.h"
-#include "projection.h"
+#include "raster/coverage.h"
+#include "raster/projection.h"
 
 namespace pellucid::raster {
 

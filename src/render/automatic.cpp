@@ -1,16 +1,16 @@
 // The choice of `auto`: see automatic.h.
-#include "automatic.h"
+#include "render/automatic.h"
 
 #include <fmt/format.h>
 
 #include <limits>
 
-#include "capture/blending_techniques.h"
-#include "capture/budget_techniques.h"
-#include "capture/buffer_techniques.h"
-#include "capture/list_resolve.h"
-#include "effects.h"
-#include "importance_terms.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/budget_techniques.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/list_resolve.h"
+#include "render/effects.h"
+#include "render/importance_terms.h"
 
 namespace pellucid::render {
 namespace {

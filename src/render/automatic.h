@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "capture/technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -1,12 +1,12 @@
 // Checks: see checks.h.
-#include "checks.h"
+#include "render/checks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "effects.h"
-#include "importance_terms.h"
+#include "render/effects.h"
+#include "render/importance_terms.h"
 
 namespace pellucid {
 

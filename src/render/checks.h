@@ -1,7 +1,7 @@
 // checks.h - what is refused before anything is drawn: each throws Error{bad_argument} that says why.
 #pragma once
 
-#include "capture/technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -1,5 +1,5 @@
 // Culling: see culling.h.
-#include "culling.h"
+#include "render/culling.h"
 
 #include <array>
 

@@ -9,7 +9,7 @@
 
 #include <span>
 
-#include "frame.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

@@ -1,5 +1,5 @@
 // Names of effects: see effects.h.
-#include "effects.h"
+#include "render/effects.h"
 
 #include <fmt/format.h>
 

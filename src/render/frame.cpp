@@ -1,5 +1,5 @@
 // A picture while it is drawn: see frame.h.
-#include "frame.h"
+#include "render/frame.h"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "device/recorder.h"
-#include "gpu_scene.h"
+#include "render/device/recorder.h"
+#include "render/gpu_scene.h"
 
 namespace pellucid::render {
 

@@ -1,5 +1,5 @@
 // What shaders know of a frame: see frame_data.h.
-#include "frame_data.h"
+#include "render/frame_data.h"
 
 #include <algorithm>
 

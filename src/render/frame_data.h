@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "frame.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

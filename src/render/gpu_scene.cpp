@@ -1,5 +1,5 @@
 // A scene on the device: see gpu_scene.h.
-#include "gpu_scene.h"
+#include "render/gpu_scene.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "frame.h"
-#include "texture_levels.h"
+#include "render/frame.h"
+#include "render/texture_levels.h"
 
 namespace pellucid::render {
 namespace {

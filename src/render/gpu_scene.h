@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "device/memory.h"
+#include "render/device/memory.h"
 
 namespace pellucid::render {
 

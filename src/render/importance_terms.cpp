@@ -1,5 +1,5 @@
 // Terms of importance and their parameters: see pellucid/budget.h.
-#include "importance_terms.h"
+#include "render/importance_terms.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Opaque surfaces: see opaque_layer.h.
-#include "opaque_layer.h"
+#include "render/opaque_layer.h"
 
 namespace pellucid::render {
 namespace {

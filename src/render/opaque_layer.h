@@ -2,8 +2,8 @@
 // its colour is what is seen through those that remain. Shaders: interface/opaque.glsl.
 #pragma once
 
-#include "effects.h"
-#include "frame.h"
+#include "render/effects.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

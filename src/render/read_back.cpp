@@ -1,5 +1,5 @@
 // What a frame left on the device: see read_back.h.
-#include "read_back.h"
+#include "render/read_back.h"
 
 #include <array>
 #include <bit>

@@ -6,9 +6,9 @@
 #include <map>
 #include <optional>
 
-#include "effects.h"
 #include "pellucid/shading.h"
-#include "surface_sampler.h"
+#include "render/effects.h"
+#include "render/surface_sampler.h"
 
 namespace pellucid {
 namespace {

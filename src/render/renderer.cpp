@@ -11,18 +11,18 @@
 #include <set>
 #include <utility>
 
-#include "automatic.h"
-#include "capture/nearest_rounds.h"
-#include "capture/synchronisation.h"
-#include "capture/technique.h"
-#include "checks.h"
-#include "culling.h"
-#include "effects.h"
-#include "frame.h"
-#include "frame_data.h"
-#include "importance_terms.h"
-#include "opaque_layer.h"
-#include "read_back.h"
+#include "render/automatic.h"
+#include "render/capture/nearest_rounds.h"
+#include "render/capture/synchronisation.h"
+#include "render/capture/technique.h"
+#include "render/checks.h"
+#include "render/culling.h"
+#include "render/effects.h"
+#include "render/frame.h"
+#include "render/frame_data.h"
+#include "render/importance_terms.h"
+#include "render/opaque_layer.h"
+#include "render/read_back.h"
 
 namespace pellucid {
 namespace render {

@@ -1,5 +1,5 @@
 // Surfaces at fragments: see surface_sampler.h.
-#include "surface_sampler.h"
+#include "render/surface_sampler.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 
 #include "pellucid/raster.h"
 #include "pellucid/shading.h"
-#include "texture_levels.h"
+#include "render/texture_levels.h"
 
 namespace pellucid::render {
 

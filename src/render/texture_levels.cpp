@@ -1,5 +1,5 @@
 // Textures in levels: see texture_levels.h.
-#include "texture_levels.h"
+#include "render/texture_levels.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // What charts with named curves share: see chart_parts.h.
-#include "chart_parts.h"
+#include "report/chart_parts.h"
 
 #include <fmt/format.h>
 

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "compare_parts.h"
-#include "html_charts.h"
-#include "html_page.h"
-#include "page_files.h"
+#include "report/compare_parts.h"
+#include "report/html_charts.h"
+#include "report/html_page.h"
+#include "report/page_files.h"
 
 namespace pellucid {
 namespace {

@@ -1,5 +1,5 @@
 // The pictures of a report of techniques as files: see pellucid/compare_report.h.
-#include "compare_images.h"
+#include "report/compare_images.h"
 
 #include <fmt/format.h>
 

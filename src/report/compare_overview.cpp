@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare_parts.h"
-#include "html_page.h"
+#include "report/compare_parts.h"
+#include "report/html_page.h"
 
 namespace pellucid {
 namespace {

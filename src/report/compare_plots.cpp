@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare_parts.h"
-#include "html_page.h"
-#include "technique_charts.h"
+#include "report/compare_parts.h"
+#include "report/html_page.h"
+#include "report/technique_charts.h"
 
 namespace pellucid {
 namespace {

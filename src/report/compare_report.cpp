@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "compare_images.h"
-#include "json.h"
+#include "report/compare_images.h"
+#include "report/json.h"
 
 namespace pellucid {
 namespace {
@@ -58,13 +58,13 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   const auto error = [&](auto value) {
     return technique.error ? Json(value(*technique.error)) : Json(nullptr);
   };
-  json["psnr"] = error([](const PictureError& e) { return e.psnr; });
-  json["largest_error"] = error([](const PictureError& e) { return e.largest; });
+  json["psnr"] = error([](const ImageError& e) { return e.psnr; });
+  json["largest_error"] = error([](const ImageError& e) { return e.largest; });
   const bool known = technique.error.has_value();
   json["ssim"] = known ? Json(technique.perceived.ssim) : Json(nullptr);
   json["hyab"] = known ? Json(technique.perceived.hyab) : Json(nullptr);
   json["flicker"] = or_null(technique.flicker);
-  json["differing_pixels"] = error([](const PictureError& e) { return e.differing; });
+  json["differing_pixels"] = error([](const ImageError& e) { return e.differing; });
   return json;
 }
 

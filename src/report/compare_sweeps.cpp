@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "compare_parts.h"
-#include "curve_chart.h"
-#include "html_page.h"
+#include "report/compare_parts.h"
+#include "report/curve_chart.h"
+#include "report/html_page.h"
 
 namespace pellucid {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 
-#include "compare_parts.h"
-#include "html_page.h"
-#include "overdraw_pictures.h"
+#include "report/compare_parts.h"
+#include "report/html_page.h"
+#include "report/overdraw_pictures.h"
 
 namespace pellucid {
 namespace {

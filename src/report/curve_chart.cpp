@@ -1,13 +1,13 @@
 // Curves over a parameter: see curve_chart.h.
-#include "curve_chart.h"
+#include "report/curve_chart.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "chart_parts.h"
 #include "pellucid/report.h"
+#include "report/chart_parts.h"
 
 namespace pellucid {
 namespace {

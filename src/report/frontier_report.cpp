@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "json.h"
 #include "pellucid/report.h"
+#include "report/json.h"
 
 namespace pellucid {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "overdraw_pictures.h"
+#include "report/overdraw_pictures.h"
 
 namespace pellucid {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "pellucid/metric.h"
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
 #include "pellucid/view.h"
 
 namespace pellucid {

@@ -1,5 +1,5 @@
 // The frame and the parts that all report pages share: see html_page.h.
-#include "html_page.h"
+#include "report/html_page.h"
 
 #include <fmt/format.h>
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "html_charts.h"
-#include "html_page.h"
 #include "pellucid/report.h"
+#include "report/html_charts.h"
+#include "report/html_page.h"
 
 namespace pellucid {
 namespace {

@@ -1,8 +1,8 @@
 // What is in a model file, as a table and as JSON: see pellucid/report.h.
 #include <fmt/format.h>
 
-#include "json.h"
 #include "pellucid/report.h"
+#include "report/json.h"
 
 namespace pellucid {
 namespace {

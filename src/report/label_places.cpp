@@ -1,5 +1,5 @@
 // Places for names beside points of a chart: see label_places.h.
-#include "label_places.h"
+#include "report/label_places.h"
 
 #include <algorithm>
 #include <cmath>

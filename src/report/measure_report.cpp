@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "json.h"
 #include "pellucid/report.h"
+#include "report/json.h"
 
 namespace pellucid {
 namespace {

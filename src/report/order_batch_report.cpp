@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "order_json.h"
+#include "report/order_json.h"
 
 namespace pellucid {
 

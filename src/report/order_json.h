@@ -1,8 +1,8 @@
 // The JSON of one ordered file, which the report of many files repeats.
 #pragma once
 
-#include "json.h"
 #include "pellucid/report.h"
+#include "report/json.h"
 
 namespace pellucid {
 

@@ -1,7 +1,7 @@
 // What `pellucid order` did, as a table and as JSON: see pellucid/report.h.
 #include <fmt/format.h>
 
-#include "order_json.h"
+#include "report/order_json.h"
 
 namespace pellucid {
 namespace {

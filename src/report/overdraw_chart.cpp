@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chart_parts.h"
-#include "overdraw_pictures.h"
 #include "pellucid/report.h"
+#include "report/chart_parts.h"
+#include "report/overdraw_pictures.h"
 
 namespace pellucid {
 namespace {

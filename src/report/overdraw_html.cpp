@@ -5,9 +5,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "html_page.h"
-#include "overdraw_pictures.h"
 #include "pellucid/report.h"
+#include "report/html_page.h"
+#include "report/overdraw_pictures.h"
 
 namespace pellucid {
 namespace {

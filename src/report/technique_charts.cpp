@@ -1,14 +1,14 @@
 // Techniques as points and bars: see technique_charts.h.
-#include "technique_charts.h"
+#include "report/technique_charts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "chart_parts.h"
-#include "label_places.h"
 #include "pellucid/report.h"
+#include "report/chart_parts.h"
+#include "report/label_places.h"
 
 namespace pellucid {
 namespace {

@@ -25,12 +25,6 @@ std::string_view library_version() {
   return PELLUCID_VERSION;
 }
 
-std::string format_count(std::uint64_t count) {
-  std::string digits = std::to_string(count);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, 1, ',');
-  return digits;
-}
-
 std::string format_bytes(std::uint64_t bytes) {
   const auto size = static_cast<double>(bytes);
   if (bytes < 1000) return fmt::format("{} B", bytes);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "posable_data.h"
+#include "scene/posable_data.h"
 
 namespace pellucid {
 namespace {

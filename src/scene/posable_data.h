@@ -6,8 +6,8 @@
 #include <span>
 
 #include "pellucid/scene.h"
-#include "shape.h"
-#include "skeleton.h"
+#include "scene/shape.h"
+#include "scene/skeleton.h"
 
 namespace pellucid {
 

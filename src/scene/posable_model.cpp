@@ -1,7 +1,7 @@
 // Models at a moment of an animation: see pellucid/scene.h.
 #include <cmath>
 
-#include "posable_data.h"
+#include "scene/posable_data.h"
 
 namespace pellucid {
 namespace {

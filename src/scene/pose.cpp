@@ -1,8 +1,8 @@
 // Vertices at a moment: see posable_data.h.
 #include <algorithm>
 
-#include "posable_data.h"
-#include "sample_curve.h"
+#include "scene/posable_data.h"
+#include "scene/sample_curve.h"
 
 namespace pellucid {
 namespace {

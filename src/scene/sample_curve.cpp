@@ -1,6 +1,6 @@
 // Interpolation between key frames: see sample_curve.h. Formulas: glTF 2.0, appendix C; slerp after Shoemake,
 // "Animating rotation with quaternion curves", SIGGRAPH 1985.
-#include "sample_curve.h"
+#include "scene/sample_curve.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Primitives as they are posed: see shape.h.
-#include "shape.h"
+#include "scene/shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Node hierarchies in motion: see skeleton.h.
-#include "skeleton.h"
+#include "scene/skeleton.h"
 
-#include "sample_curve.h"
+#include "scene/sample_curve.h"
 
 namespace pellucid {
 namespace {

@@ -1,8 +1,8 @@
 // Internal to the module `scene`: the nodes of a rig that move geometry, and their places at a time.
 #pragma once
 
-#include "affine.h"
 #include "pellucid/animation.h"
+#include "scene/affine.h"
 
 namespace pellucid {
 

@@ -10,6 +10,7 @@
 #include <cstdlib>
 
 #include "gltf_helpers.h"
+#include "pellucid/asset.h"
 #include "pellucid/metric.h"
 
 namespace pellucid::test {

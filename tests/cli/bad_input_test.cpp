@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 
 namespace pellucid::testing {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 #include "report/schema.h"
 
 namespace pellucid::testing {

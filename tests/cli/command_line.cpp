@@ -1,5 +1,5 @@
 // Runs the real program: see command_line.h.
-#include "cli/command_line.h"
+#include "command_line.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

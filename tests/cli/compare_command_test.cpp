@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 #include "report/markup.h"
 #include "report/schema.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 
 namespace pellucid::testing {
 namespace {

@@ -1,7 +1,7 @@
 // pellucid order --frontier, --min-psnr, --alpha.
 #include <gtest/gtest.h>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 
 namespace pellucid::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <set>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 
 namespace pellucid::testing {
 namespace {

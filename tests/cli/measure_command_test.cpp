@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 #include "pellucid/asset.h"
 
 namespace pellucid::testing {

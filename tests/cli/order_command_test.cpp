@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 
 namespace pellucid::testing {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 #include "pellucid/base.h"
 
 namespace pellucid::testing {

@@ -5,8 +5,9 @@
 #include <csignal>
 #include <cstring>
 
-#include "cli/command_line.h"
+#include "command_line.h"
 #include "pellucid/asset.h"
+#include "pellucid/metric.h"
 #include "pellucid/overdraw.h"
 #include "pellucid/scene.h"
 

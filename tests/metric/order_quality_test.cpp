@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "metric_helpers.h"
+#include "pellucid/baseline.h"
 
 namespace pellucid {
 namespace {

@@ -1,6 +1,6 @@
 // Coverage of single triangles: literal cases, the top-left rule, and the SIMD kernel against its scalar twin
 // and against a point-in-triangle test in exact integers.
-#include "coverage.h"
+#include "raster/coverage.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "pellucid/base.h"
-#include "projection.h"
+#include "raster/projection.h"
 
 namespace pellucid::raster {
 namespace {

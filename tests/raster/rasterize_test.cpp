@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "fragment_lists.h"
+#include "raster/fragment_lists.h"
 #include "raster_helpers.h"
 
 namespace pellucid {

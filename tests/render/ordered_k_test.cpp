@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <numeric>
 
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
 #include "render_helpers.h"
 
 namespace pellucid {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pellucid/order.h"
+#include "pellucid/sequencing.h"
 #include "render_helpers.h"
 
 namespace pellucid {

@@ -5,12 +5,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "label_places.h"
+#include "browser.h"
+#include "comparison.h"
+#include "markup.h"
 #include "pellucid/material.h"
-#include "report/browser.h"
-#include "report/comparison.h"
-#include "report/markup.h"
-#include "technique_charts.h"
+#include "report/label_places.h"
+#include "report/technique_charts.h"
 
 namespace pellucid {
 namespace {

@@ -6,12 +6,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "curve_chart.h"
-#include "html_charts.h"
+#include "comparison.h"
+#include "markup.h"
 #include "pellucid/budget_maps.h"
-#include "report/comparison.h"
-#include "report/markup.h"
-#include "report/schema.h"
+#include "report/curve_chart.h"
+#include "report/html_charts.h"
+#include "schema.h"
 
 namespace pellucid {
 namespace {
@@ -26,11 +26,11 @@ using testing::sample_comparison;
 
 TEST(PictureErrors, AreThoseOfSrgbOverCoveredPixels) {
   const std::vector<Vec3f> exact{{1, 1, 1}, {0, 0, 0}, {0.5F, 0.5F, 0.5F}};
-  EXPECT_EQ(picture_error(exact, exact, 2).psnr, 100);
-  EXPECT_EQ(picture_error(exact, exact, 2).differing, 0U);
+  EXPECT_EQ(image_error(exact, exact, 2).psnr, 100);
+  EXPECT_EQ(image_error(exact, exact, 2).differing, 0U);
   std::vector<Vec3f> drawn = exact;
   drawn[1] = {1, 0, 0};
-  const PictureError error = picture_error(exact, drawn, 2);
+  const ImageError error = image_error(exact, drawn, 2);
   // One channel of two pixels is wrong by 1: a mean squared error of 1/6.
   EXPECT_NEAR(error.psnr, 7.7815, 1e-3);
   EXPECT_NEAR(error.largest, 1, 1e-9);

@@ -22,7 +22,7 @@ inline CaptureStats stats_of(std::uint64_t captured, double milliseconds) {
 
 inline ComparedTechnique technique(const std::string& name, bool exact, std::uint64_t captured,
                                    double milliseconds) {
-  return {name, "how " + name + " works", exact, "", stats_of(captured, milliseconds), PictureError{}, {}};
+  return {name, "how " + name + " works", exact, "", stats_of(captured, milliseconds), ImageError{}, {}};
 }
 
 inline CompareReport sample_comparison(const std::string& name = "stack") {
@@ -45,7 +45,7 @@ inline CompareReport sample_comparison(const std::string& name = "stack") {
   scene.pixels_by_depth = {600, 100, 60, 40};
   scene.techniques = {technique("f2b", false, 700, 1), technique("f2b-2p", true, 1000, 8),
                       technique("ll", true, 1000, 4), technique("sb", true, 900, 2)};
-  scene.techniques[0].error = PictureError{23.5, 0.25, 31};
+  scene.techniques[0].error = ImageError{23.5, 0.25, 31};
   scene.techniques[0].pictures = {{name, {4, 5}}, {"difference", {6, 7}}};
   ComparedTechnique& failed = scene.techniques.emplace_back();
   failed.name = "kb";

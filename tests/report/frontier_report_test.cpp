@@ -7,9 +7,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "markup.h"
 #include "pellucid/report.h"
-#include "report/markup.h"
-#include "report/schema.h"
+#include "schema.h"
 
 namespace pellucid {
 namespace {

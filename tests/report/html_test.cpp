@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "handmade.h"
+#include "markup.h"
 #include "pellucid/report.h"
-#include "report/handmade.h"
-#include "report/markup.h"
 
 namespace pellucid {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "handmade.h"
 #include "pellucid/report.h"
-#include "report/handmade.h"
 
 namespace pellucid {
 namespace {

@@ -1,13 +1,13 @@
 // Heat maps, the chart and the page of an overdraw report.
-#include "overdraw_pictures.h"
+#include "report/overdraw_pictures.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
+#include "markup.h"
 #include "pellucid/report.h"
-#include "report/markup.h"
 
 namespace pellucid {
 namespace {

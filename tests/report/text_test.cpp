@@ -4,8 +4,8 @@
 #include <limits>
 #include <sstream>
 
+#include "handmade.h"
 #include "pellucid/report.h"
-#include "report/handmade.h"
 
 namespace pellucid {
 namespace {

@@ -181,7 +181,7 @@ typedef enum PellucidDirection {
 PELLUCID_API uint64_t pellucid_order_index_count(const PellucidOrderSet* orders, uint32_t order);
 
 /* Write these indices, three a triangle in drawing order, to `destination`, which has room for all of them:
- * plain memory or a mapped buffer, which is only written to. index_bytes 2 (for at most 65,536 vertices) or
+ * plain memory or a mapped buffer, which is only written to. index_bytes 2 (for at most 65,535 vertices) or
  * 4. Overdraw orders are drawn front to back only. */
 PELLUCID_API PellucidStatus pellucid_copy_order_indices(const PellucidOrderSet* orders, uint32_t order,
                                                         PellucidDirection direction, uint32_t index_bytes,

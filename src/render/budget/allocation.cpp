@@ -1,5 +1,5 @@
 // Who gets how many slots: see allocation.h.
-#include "allocation.h"
+#include "render/budget/allocation.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // allocation.h - who gets how many slots: survey, importance, places (shaders/budget).
 #pragma once
 
-#include "../frame.h"
-#include "plan.h"
+#include "render/budget/plan.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

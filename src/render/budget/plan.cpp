@@ -1,5 +1,5 @@
 // What fits into a budget of bytes: see plan.h.
-#include "plan.h"
+#include "render/budget/plan.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // blending_techniques.h - techniques that deliver no list of fragments: they blend while they draw.
 #pragma once
 
-#include "technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

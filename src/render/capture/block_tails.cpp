@@ -1,5 +1,5 @@
 // Tails of blocks: see block_tails.h.
-#include "block_tails.h"
+#include "render/capture/block_tails.h"
 
 #include <bit>
 

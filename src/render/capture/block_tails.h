@@ -1,8 +1,8 @@
 // block_tails.h - a tail for every block of pixels, where places for all of them do not fit into a budget.
 #pragma once
 
-#include "../budget/plan.h"
-#include "../frame.h"
+#include "render/budget/plan.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

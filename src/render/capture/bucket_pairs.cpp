@@ -2,7 +2,7 @@
 // uniform (BUN), or with as many occupied bins of depth in each (BAD). Liu, Huang, Liu, Wu, "Efficient Depth
 // Peeling via Bucket Sort", HPG 2009; Sintorn, Assarsson, I3D 2009. Keys (depth, id) and 64-bit atomics stand
 // in for the papers' MAX blending: fragments at one depth stay apart.
-#include "buffer_techniques.h"
+#include "render/capture/buffer_techniques.h"
 
 namespace pellucid::render {
 namespace {

@@ -1,5 +1,5 @@
 // What techniques with a budget share: see budget_buffer.h.
-#include "budget_buffer.h"
+#include "render/capture/budget_buffer.h"
 
 namespace pellucid::render {
 namespace {

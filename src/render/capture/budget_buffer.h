@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "../budget/plan.h"
-#include "block_tails.h"
-#include "technique.h"
+#include "render/budget/plan.h"
+#include "render/capture/block_tails.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -1,7 +1,7 @@
 // budget_techniques.h - techniques that keep within a number of bytes.
 #pragma once
 
-#include "technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -1,5 +1,5 @@
 // Sums in place of an order: see color_sums.h.
-#include "color_sums.h"
+#include "render/capture/color_sums.h"
 
 namespace pellucid::render {
 

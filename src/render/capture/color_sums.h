@@ -2,7 +2,7 @@
 // of their mean.
 #pragma once
 
-#include "technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -7,8 +7,8 @@
 // and started from depths and ids that nothing exceeds.
 #include <fmt/format.h>
 
-#include "layer_fold.h"
-#include "peeling_techniques.h"
+#include "render/capture/layer_fold.h"
+#include "render/capture/peeling_techniques.h"
 
 namespace pellucid::render {
 namespace {

@@ -1,7 +1,7 @@
 // An array of k fragments for every pixel, filled in the sequence of drawing (FAB of the paper).
 // Crassin, "Fast and Accurate Single-Pass A-Buffer", 2010; Liu et al., "FreePipe", I3D 2010.
-#include "buffer_techniques.h"
-#include "list_resolve.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/list_resolve.h"
 
 namespace pellucid::render {
 namespace {

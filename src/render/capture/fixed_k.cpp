@@ -6,9 +6,9 @@
 // measured against.
 #include <fmt/format.h>
 
-#include "../device/ordered_attachments.h"
-#include "budget_buffer.h"
-#include "budget_techniques.h"
+#include "render/capture/budget_buffer.h"
+#include "render/capture/budget_techniques.h"
+#include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {
 namespace {

@@ -5,8 +5,8 @@
 // F2B-FAB wrapped around.
 #include <fmt/format.h>
 
-#include "layer_fold.h"
-#include "peeling_techniques.h"
+#include "render/capture/layer_fold.h"
+#include "render/capture/peeling_techniques.h"
 
 namespace pellucid::render {
 namespace {

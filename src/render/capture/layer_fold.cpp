@@ -1,5 +1,5 @@
 // Fold of peeled layers: see layer_fold.h.
-#include "layer_fold.h"
+#include "render/capture/layer_fold.h"
 
 #include <fmt/format.h>
 

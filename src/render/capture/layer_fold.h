@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "../frame.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

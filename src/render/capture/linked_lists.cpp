@@ -2,8 +2,8 @@
 // buckets of the pixel's depth range, so that what has to be sorted is short (BUN-LL). Yang, Hensley, Gruen,
 // Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010; section 3.1.4 of the
 // paper. The buckets here lie between the pixel's own nearest and farthest fragment, not the bounding box's.
-#include "buffer_techniques.h"
-#include "list_resolve.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/list_resolve.h"
 
 namespace pellucid::render {
 namespace {

@@ -1,5 +1,5 @@
 // Resolve of stored fragments: see list_resolve.h.
-#include "list_resolve.h"
+#include "render/capture/list_resolve.h"
 
 #include <array>
 

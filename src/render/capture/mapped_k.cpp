@@ -7,9 +7,9 @@
 
 #include <limits>
 
-#include "../budget/allocation.h"
-#include "budget_buffer.h"
-#include "budget_techniques.h"
+#include "render/budget/allocation.h"
+#include "render/capture/budget_buffer.h"
+#include "render/capture/budget_techniques.h"
 
 namespace pellucid::render {
 namespace {

@@ -1,8 +1,8 @@
 // Moment-based transparency: four power moments of optical depth over depth tell how much light gets to each
 // fragment, well enough to weight its colour. Muenstermann, Krumpen, Klein, Peters, "Moment-Based
 // Order-Independent Transparency", I3D 2018; shaders/capture/moments.glsl.
-#include "blending_techniques.h"
-#include "color_sums.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/color_sums.h"
 
 namespace pellucid::render {
 namespace {

@@ -2,9 +2,9 @@
 // has no place. A fragment that comes late finds those that it should lie between merged already, so it
 // depends on the sequence of drawing, and only attachments that are read back in that sequence make it the
 // same each time. Salvi, Vaidyanathan, "Multi-Layer Alpha Blending", I3D 2014.
-#include "../device/ordered_attachments.h"
-#include "blending_techniques.h"
-#include "synchronisation.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/synchronisation.h"
+#include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {
 namespace {

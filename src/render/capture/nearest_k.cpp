@@ -5,9 +5,9 @@
 // brings the colours of what was kept. More rounds: nearest_rounds.h.
 #include <fmt/format.h>
 
-#include "../device/ordered_attachments.h"
-#include "buffer_techniques.h"
-#include "synchronisation.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/synchronisation.h"
+#include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {
 namespace {

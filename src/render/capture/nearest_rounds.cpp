@@ -3,12 +3,12 @@
 // there are in all was counted, so the number of rounds is known. Keys go through a chain of 64-bit atomic
 // minima, which needs no order of the fragments, unlike the k-buffer of Bavoil et al. (I3D 2007), and no
 // second try, unlike that of Liu et al. (HPG 2009); a second pass over the fragments brings the colours.
-#include "nearest_rounds.h"
+#include "render/capture/nearest_rounds.h"
 
 #include <bit>
 
-#include "buffer_techniques.h"
-#include "pool_shares.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/pool_shares.h"
 
 namespace pellucid::render {
 namespace {

@@ -3,7 +3,7 @@
 // not suffice.
 #pragma once
 
-#include "technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

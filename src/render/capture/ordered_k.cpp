@@ -5,8 +5,8 @@
 // blended where it is and marks its pixel: where none is marked, the picture is exact.
 #include <fmt/format.h>
 
-#include "../device/ordered_attachments.h"
-#include "blending_techniques.h"
+#include "render/capture/blending_techniques.h"
+#include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {
 namespace {

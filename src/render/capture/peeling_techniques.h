@@ -6,7 +6,7 @@
 // round did not deliver, never by a depth: 1 is one like any other.
 #pragma once
 
-#include "technique.h"
+#include "render/capture/technique.h"
 
 namespace pellucid::render {
 

@@ -1,6 +1,6 @@
 // Hardware blending in the sequence of drawing: what capture is measured against, and right where that
 // sequence runs front to back in every pixel.
-#include "blending_techniques.h"
+#include "render/capture/blending_techniques.h"
 
 namespace pellucid::render {
 namespace {

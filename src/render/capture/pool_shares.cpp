@@ -1,5 +1,5 @@
 // Division of a pool: see pool_shares.h.
-#include "pool_shares.h"
+#include "render/capture/pool_shares.h"
 
 #include <algorithm>
 

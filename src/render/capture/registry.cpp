@@ -1,9 +1,9 @@
 // The list of capture techniques: a new one is a file beside this and a line here.
-#include "../automatic.h"
-#include "blending_techniques.h"
-#include "budget_techniques.h"
-#include "buffer_techniques.h"
-#include "peeling_techniques.h"
+#include "render/automatic.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/budget_techniques.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/peeling_techniques.h"
 
 namespace pellucid::render {
 

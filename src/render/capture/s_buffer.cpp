@@ -1,7 +1,7 @@
 // S-buffer: count, reserve, fill: contiguous ranges of exactly the size that is needed.
 // Vasilakis, Fudos, "S-buffer: Sparsity-aware Multi-fragment Rendering", Eurographics 2012 (SB of the paper).
-#include "buffer_techniques.h"
-#include "list_resolve.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/list_resolve.h"
 
 namespace pellucid::render {
 namespace {

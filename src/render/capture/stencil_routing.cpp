@@ -3,8 +3,8 @@
 // Bavoil, "Stencil Routed A-Buffer", SIGGRAPH 2007 sketches. There the k places of a pixel are the samples of
 // a multisampled target; their positions differ, so edges get the wrong fragments wherever multisampling
 // cannot be switched off, as in Vulkan. Layers of an array, sampled at pixel centres, have no such edges.
-#include "buffer_techniques.h"
-#include "list_resolve.h"
+#include "render/capture/buffer_techniques.h"
+#include "render/capture/list_resolve.h"
 
 namespace pellucid::render {
 namespace {

@@ -3,8 +3,8 @@
 // hide a fragment is the light that gets to it, on average. Samples are words, not those of an attachment,
 // whose places would spoil edges. Enderton, Sintorn, Shirley, Luebke, "Stochastic Transparency", I3D 2010,
 // with the paper's alpha correction.
-#include "blending_techniques.h"
-#include "color_sums.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/color_sums.h"
 
 namespace pellucid::render {
 namespace {

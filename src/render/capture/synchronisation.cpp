@@ -1,5 +1,5 @@
 // Synchronisation: see synchronisation.h.
-#include "synchronisation.h"
+#include "render/capture/synchronisation.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "../frame.h"
+#include "render/frame.h"
 
 namespace pellucid::render {
 

@@ -7,8 +7,8 @@
 // these, are captured by an S-buffer behind the stencil test and drawn anew, with the triangles that touch
 // their tiles: the picture is exact whatever the sequence was. Opaque surfaces are drawn first and discard in
 // the shader, so that they mark nothing.
-#include "blending_techniques.h"
-#include "list_resolve.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/list_resolve.h"
 
 namespace pellucid::render {
 namespace {

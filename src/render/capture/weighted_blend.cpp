@@ -1,7 +1,7 @@
 // Weighted blended transparency: colours are added up with weights that fall with depth, in one pass.
 // McGuire, Bavoil, "Weighted Blended Order-Independent Transparency", JCGT 2013.
-#include "blending_techniques.h"
-#include "color_sums.h"
+#include "render/capture/blending_techniques.h"
+#include "render/capture/color_sums.h"
 
 namespace pellucid::render {
 namespace {

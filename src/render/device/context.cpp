@@ -1,5 +1,5 @@
 // Instance, device, queue: see context.h.
-#include "context.h"
+#include "render/device/context.h"
 
 #include <fmt/format.h>
 

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "handle.h"
 #include "pellucid/render.h"
+#include "render/device/handle.h"
 
 namespace pellucid::render {
 

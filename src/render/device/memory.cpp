@@ -1,5 +1,5 @@
 // Buffers and images: see memory.h.
-#include "memory.h"
+#include "render/device/memory.h"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "context.h"
+#include "render/device/context.h"
 
 namespace pellucid::render {
 

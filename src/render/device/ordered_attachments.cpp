@@ -1,5 +1,5 @@
 // Ordered attachments: see ordered_attachments.h.
-#include "ordered_attachments.h"
+#include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {
 namespace {

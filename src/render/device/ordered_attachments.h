@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "memory.h"
+#include "render/device/memory.h"
 
 namespace pellucid::render {
 

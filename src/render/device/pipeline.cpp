@@ -1,10 +1,10 @@
 // Pipelines: see pipeline.h.
-#include "pipeline.h"
+#include "render/device/pipeline.h"
 
 #include <cassert>
 
-#include "../gpu_scene.h"
-#include "ordered_attachments.h"
+#include "render/device/ordered_attachments.h"
+#include "render/gpu_scene.h"
 
 namespace pellucid::render {
 namespace {

@@ -1,10 +1,10 @@
 // Recording: see recorder.h.
-#include "recorder.h"
+#include "render/device/recorder.h"
 
 #include <algorithm>
 #include <iterator>
 
-#include "../gpu_scene.h"
+#include "render/gpu_scene.h"
 
 namespace pellucid::render {
 namespace {

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "memory.h"
-#include "ordered_attachments.h"
-#include "pipeline.h"
+#include "render/device/memory.h"
+#include "render/device/ordered_attachments.h"
+#include "render/device/pipeline.h"
 
 namespace pellucid::render {
 

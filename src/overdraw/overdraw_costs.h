@@ -1,0 +1,100 @@
+// What an order of patches costs a view: fragments shaded in vain, counted on stored lists.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "overdraw/layer_lists.h"
+#include "sequencing/k_orders.h"
+#include "sequencing/sifter.h"
+
+namespace pellucid {
+
+// Fragments of a list that are shaded in an order (rank by patch), at least 1.
+std::uint32_t shaded_layers(std::span<const Layer> list, std::span<const std::uint32_t> ranks);
+
+// Excess overdraw of every view under every order: views x orders, row by row.
+std::vector<double> overdraw_table(const LayerLists& lists,
+                                   const std::vector<std::vector<std::uint32_t>>& ranks);
+
+// A list and its weight: fragments of it, summed over the views of a cluster, each view counting the same.
+struct WeightedList {
+  std::uint32_t list;
+  std::int64_t weight;
+};
+// 1 of excess overdraw, summed over views.
+constexpr std::int64_t kOverdrawUnit = std::int64_t{1} << 24U;
+std::vector<WeightedList> weigh_lists(const LayerLists& lists, std::span<const std::uint32_t> views);
+// In kOverdrawUnit, summed over the views.
+std::int64_t excess_of(const ListPool& pool, std::span<const WeightedList> weighted,
+                       std::span<const std::uint32_t> ranks);
+
+// What a patch wishes for: to pass a neighbour changes the fragments shaded by the weights given, exactly, as
+// long as nothing else moves. A fragment of the patch is shaded until the patch passes the first drawn of all
+// that is nearer; what lies behind it and is first drawn of all but the patch is shaded as well once the
+// patch comes later.
+class LayerRows {
+ public:
+  // Patches stay among those of their part: `ranks` hold each part's patches together.
+  LayerRows(const ListPool& pool, std::span<const WeightedList> weighted,
+            std::span<const std::uint32_t> patch_parts, std::span<const std::uint32_t> ranks);
+
+  WishRow row(NodeId patch, std::span<const double> positions);
+  [[nodiscard]] std::pair<double, double> room(NodeId patch) const { return rooms_[patch_parts_[patch]]; }
+
+ private:
+  void gather(std::span<const Layer> list, NodeId patch, std::int64_t weight,
+              std::span<const double> positions);
+  void add(NodeId neighbor, std::int64_t weight);
+
+  const ListPool& pool_;
+  std::span<const WeightedList> weighted_;
+  std::span<const std::uint32_t> patch_parts_;
+  std::vector<std::pair<double, double>> rooms_;  // by part
+  std::vector<std::uint64_t> offsets_;            // patches + 1
+  std::vector<std::uint32_t> lists_of_;           // indices into weighted_, by patch
+  std::vector<std::int64_t> sums_;                // by patch, of the current row
+  std::vector<std::uint8_t> met_;
+  std::vector<NodeId> neighbors_;
+  std::vector<float> weights_;
+};
+
+// Where patches lie in a view: their centroids, by patch and frame.
+class PatchCentroids {
+ public:
+  PatchCentroids(const OverdrawSubject& subject, const Patches& patches);
+  [[nodiscard]] const Vec3f& at(std::uint32_t frame, std::uint32_t patch) const {
+    return centroids_[std::size_t{frame} * patches_ + patch];
+  }
+  [[nodiscard]] std::uint32_t patch_count() const { return patches_; }
+
+ private:
+  std::uint32_t patches_;
+  std::vector<Vec3f> centroids_;
+};
+
+// The paper's d(p), section 3.2: distances of patches to the eye, summed over views. By patch.
+std::vector<double> summed_distances(const PatchCentroids& centroids, std::span<const OverdrawView> views,
+                                     std::span<const std::uint32_t> chosen,
+                                     std::span<const BoundingSphere> spheres);
+
+// Ranks of patches by key, parts by the mean key of their patches.
+std::vector<std::uint32_t> ranks_by_part(std::span<const double> keys,
+                                         std::span<const std::uint32_t> patch_parts);
+
+struct SiftLayersOptions {
+  std::uint32_t sweeps = 10;
+  double least_gain = 0.01;  // share of the excess that a sweep must save
+  Progress* progress = nullptr;
+};
+// Improve ranks for some views: parts among each other, then patches within them. Never makes them worse.
+void sift_layers(const LayerLists& lists, std::span<const std::uint32_t> views,
+                 std::span<const std::uint32_t> patch_parts, const SiftLayersOptions& options,
+                 std::vector<std::uint32_t>& ranks);
+
+// For improve_orders().
+OrderCosts measured_overdraw(const LayerLists& lists, std::span<const std::uint32_t> patch_parts,
+                             const SiftLayersOptions& options);
+
+}  // namespace pellucid

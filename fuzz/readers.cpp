@@ -153,7 +153,7 @@ void read_mtl(Input bytes) {
 void read_picture_file(Input bytes) {
   const std::string path = input_file(bytes, ".png");
   read_file_with(path, [&] {
-    const Picture picture = read_picture(path);
+    const RgbaImage picture = read_image(path);
     if (picture.rgba.size() != std::size_t{4} * picture.width * picture.height)
       broken("a picture has four bytes a texel", std::to_string(picture.rgba.size()));
   });

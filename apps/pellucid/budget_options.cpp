@@ -12,7 +12,7 @@
 
 #include "choice.h"
 #include "pellucid/asset.h"
-#include "pellucid/budget_maps.h"
+#include "pellucid/compare_report.h"
 #include "pellucid/material.h"
 #include "pellucid/metric.h"
 
@@ -62,7 +62,7 @@ void parse_focus(const std::string& text, ImportanceOptions& options) {
 // Luma, not luminance: what is twice as bright in linear light is not twice as important.
 ImportanceImage read_importance(const std::string& path) {
   if (path.empty()) return {};
-  const Picture picture = read_picture(path);
+  const RgbaImage picture = read_image(path);
   ImportanceImage image{picture.width, picture.height, {}};
   for (std::size_t i = 0; i + 3 < picture.rgba.size(); i += 4) {
     const double value =
@@ -163,7 +163,7 @@ void write_maps(const RenderResult& result, std::uint32_t samples, const std::st
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw Error(ErrorKind::cannot_write, folder + ": " + failed.message());
-  for (const NamedMap& map : budget_pictures(result, samples))
+  for (const NamedMap& map : budget_heat_maps(result, samples))
     write_png(map.image, (std::filesystem::path(folder) / (map.name + ".png")).string());
 }
 

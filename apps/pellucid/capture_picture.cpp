@@ -238,11 +238,11 @@ class Stage {
   }
 
   // What draw() drew, all of it.
-  DeepPicture draw_deep(const Camera& camera, Renderer* renderer, const Session& session) {
+  DeepImage draw_deep(const Camera& camera, Renderer* renderer, const Session& session) {
     const RenderOptions options = deep_options(options_);
-    return make_deep_picture(renderer == nullptr ? draw_reference(drawn_, camera, options)
-                                                 : renderer->draw(camera, options, session.progress()),
-                             drawn_, camera);
+    return make_deep_image(renderer == nullptr ? draw_reference(drawn_, camera, options)
+                                               : renderer->draw(camera, options, session.progress()),
+                           drawn_, camera);
   }
 
  private:
@@ -293,7 +293,7 @@ void render_capture(const CapturePicture& picture, Session& session) {
     taken.push_back({output, shot.camera, time, result.stats, {}});
     print_result(picture, device, taken.back(), session);
     if (wants_fragments(picture)) {
-      const DeepPicture deep = stage.draw_deep(camera, renderer ? &*renderer : nullptr, session);
+      const DeepImage deep = stage.draw_deep(camera, renderer ? &*renderer : nullptr, session);
       if (!picture.deep.empty()) write_deep_exr(deep, numbered(picture.deep));
       session.print(pixel_tables(picture, deep));
       taken.back().pixels = pixels_json(picture, deep);

@@ -67,7 +67,7 @@ void CompareOutput::write(const CompareReport& report) const {
     if (!images.empty()) make_if_missing(inside(kImages));
     for (const ImageFile& image : images)
       write_file_atomically(inside(image.path), std::as_bytes(std::span(*image.png)));
-    write_file_atomically(inside(kReportJson), to_json(report, ImageFiles::beside));
+    write_file_atomically(inside(kReportJson), to_json(report, ImageLinks::beside));
   }
   write_file_atomically(is_folder_ ? inside(kReportPage) : path_, compare_html(report));
 }

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "capture_options.h"
-#include "pellucid/budget_maps.h"
 #include "scene.h"
 #include "terminal_progress.h"
 
@@ -170,8 +169,8 @@ void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOp
 }
 
 // What it drew and where it errs, if one can see it.
-std::vector<ReportPicture> pictures_of(const std::string& name, const Image& exact, const RenderResult& drawn,
-                                       const ImageError& error) {
+std::vector<ReportImage> pictures_of(const std::string& name, const Image& exact, const RenderResult& drawn,
+                                     const ImageError& error) {
   if (error.differing == 0) return {};
   const Image image = to_image(drawn);
   return {{name, encode_png(image)},
@@ -320,10 +319,10 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
   RenderResult exact = draw_exact(renderer, drawn, options, session, compared);
   compared.exact = exact.stats;
   compared.pixels_by_depth = pixels_by_depth(exact.fragments, exact.stats.deepest_pixel);
-  compared.maps = report_maps(fragment_pictures(exact, options.draw.samples), 2);
+  compared.maps = report_maps(fragment_heat_maps(exact, options.draw.samples), 2);
   exact.fragments = {};
   const Image exact_image = to_image(exact);
-  compared.picture = {fmt::format("exact, by {}", compared.reference), encode_png(exact_image)};
+  compared.image = {fmt::format("exact, by {}", compared.reference), encode_png(exact_image)};
 
   std::vector<Contender> all = contenders(renderer, drawn, options, session);
   for (Contender& one : all) {
@@ -338,9 +337,9 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.error = image_error(exact.pixels, result.pixels, exact.stats.seen_pixels);
     row.perceived =
         perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.seen_pixels);
-    row.pictures = pictures_of(name, exact_image, result, *row.error);
+    row.images = pictures_of(name, exact_image, result, *row.error);
     // The same everywhere, beside the white of no fragments, is not worth a picture.
-    row.maps = report_maps(budget_pictures(result, options.draw.samples), 3);
+    row.maps = report_maps(budget_heat_maps(result, options.draw.samples), 3);
   }
   take_turns(all, options.frames);
   for (std::size_t i = 0; i < all.size(); ++i) {

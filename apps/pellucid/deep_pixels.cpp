@@ -73,7 +73,7 @@ RenderOptions deep_options(const RenderOptions& options) {
   return deep;
 }
 
-std::string pixel_tables(const CapturePicture& picture, const DeepPicture& deep) {
+std::string pixel_tables(const CapturePicture& picture, const DeepImage& deep) {
   std::string text;
   for (const std::string& name : picture.pixels) {
     const Pixel pixel = parse_pixel(name, picture);
@@ -90,7 +90,7 @@ std::string pixel_tables(const CapturePicture& picture, const DeepPicture& deep)
   return text;
 }
 
-nlohmann::ordered_json pixels_json(const CapturePicture& picture, const DeepPicture& deep) {
+nlohmann::ordered_json pixels_json(const CapturePicture& picture, const DeepImage& deep) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const std::string& name : picture.pixels) {
     const Pixel pixel = parse_pixel(name, picture);

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "capture_picture.h"
-#include "pellucid/deep_picture.h"
+#include "pellucid/deep_image.h"
 
 namespace pellucid::cli {
 
@@ -18,8 +18,8 @@ void check_deep(const CapturePicture& picture);
 // Everything is captured, opaque and hidden surfaces as well.
 RenderOptions deep_options(const RenderOptions& options);
 
-std::string pixel_tables(const CapturePicture& picture, const DeepPicture& deep);
+std::string pixel_tables(const CapturePicture& picture, const DeepImage& deep);
 // Of every pixel: x, y and its fragments.
-nlohmann::ordered_json pixels_json(const CapturePicture& picture, const DeepPicture& deep);
+nlohmann::ordered_json pixels_json(const CapturePicture& picture, const DeepImage& deep);
 
 }  // namespace pellucid::cli

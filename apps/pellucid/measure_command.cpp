@@ -129,25 +129,24 @@ struct PictureMaker {
   const Mesh* original;  // may be null
   double alpha;
 
-  [[nodiscard]] PictureRow row(const std::string& title, const Viewpoint& view, Shading shading) const {
+  [[nodiscard]] ImageRow row(const std::string& title, const Viewpoint& view, Shading shading) const {
     ShadingOptions look;
     look.shading = shading;
     look.alpha = alpha;
-    PictureRow row{title, {}};
+    ImageRow row{title, {}};
     const Mesh& mesh = ordered->mesh;
     FragmentBuffer fragments;
     const Camera camera = draw(mesh, view, fragments);
-    row.pictures.push_back({"exact", encode_png(shade_exact(mesh, camera, fragments, look))});
+    row.images.push_back({"exact", encode_png(shade_exact(mesh, camera, fragments, look))});
     const std::vector<std::uint32_t> ranks = ranks_from(mesh, *ordered->orders, view);
     const PixelCount wrong = count_incorrect_pixels(fragments, ranks);
-    row.pictures.push_back(
+    row.images.push_back(
         {"in-depth buffer", encode_png(shade_ordered(mesh, camera, fragments, ranks, look))});
-    row.pictures.push_back(rival(view, look));
+    row.images.push_back(rival(view, look));
     const double ipr = wrong.foreground == 0
                            ? 0
                            : static_cast<double>(wrong.incorrect) / static_cast<double>(wrong.foreground);
-    row.pictures.push_back(
-        {"wrong pixels: " + format_percent(ipr), encode_png(error_image(fragments, ranks))});
+    row.images.push_back({"wrong pixels: " + format_percent(ipr), encode_png(error_image(fragments, ranks))});
     return row;
   }
 
@@ -161,7 +160,7 @@ struct PictureMaker {
   }
 
   // What a viewer shows without the orders.
-  [[nodiscard]] ReportPicture rival(const Viewpoint& view, const ShadingOptions& look) const {
+  [[nodiscard]] ReportImage rival(const Viewpoint& view, const ShadingOptions& look) const {
     const Mesh& mesh = original != nullptr ? *original : ordered->mesh;
     FragmentBuffer fragments;
     const Camera camera = draw(mesh, view, fragments);
@@ -173,9 +172,9 @@ struct PictureMaker {
   }
 };
 
-std::vector<PictureRow> picture_rows(const PictureMaker& maker, const MethodQuality& quality,
-                                     const MeasureSettings& settings) {
-  std::vector<PictureRow> rows;
+std::vector<ImageRow> picture_rows(const PictureMaker& maker, const MethodQuality& quality,
+                                   const MeasureSettings& settings) {
+  std::vector<ImageRow> rows;
   for (const char* camera : {"30,15,2.5", "150,-10,2.5", "265,35,2.5"}) {
     const Viewpoint view = parse_camera(camera);
     rows.push_back(maker.row(fmt::format("Azimuth, elevation, radii: {}; lit", camera), view, Shading::lit));
@@ -219,7 +218,7 @@ void write_report(const MeasureCommandOptions& options, const MeasureReport& rep
     throw Error(ErrorKind::nothing_to_do, main.path + ": no orders to report on: run pellucid order first");
   }
   const PictureMaker maker{&primitive, originals[shown], options.settings.alpha};
-  const std::vector<PictureRow> rows =
+  const std::vector<ImageRow> rows =
       picture_rows(maker, report.primitives[shown].methods.front().quality, options.settings);
   HtmlReportInput page;
   page.title = main.label;

@@ -9,7 +9,6 @@
 #include "order_outcome.h"
 #include "pellucid/baseline.h"
 #include "pellucid/checkpoint.h"
-#include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
 #include "pellucid/sequencing.h"
 #include "pellucid/shading.h"
@@ -187,7 +186,7 @@ FrontierReport new_frontier_report(const OrderCommandOptions& options) {
   report.distances = options.order.distances;
   report.seed = options.order.seed;
   report.alpha = options.order.alpha;
-  report.picture_alpha = picture_alpha(options.order);
+  report.image_alpha = picture_alpha(options.order);
   report.max_error = options.order.max_error;
   report.min_psnr = options.order.min_psnr;
   report.least_frame_time = options.order.least_frame_time;
@@ -204,7 +203,7 @@ OrderReport new_report(const OrderCommandOptions& options) {
   report.cache_size = options.order.cache_size;
   report.cache_method = options.order.cache_method == CacheMethod::tipsify ? "tipsify" : "scheduled";
   report.alpha = options.order.alpha;
-  report.picture_alpha = picture_alpha(options.order);
+  report.image_alpha = picture_alpha(options.order);
   report.distances = options.order.distances;
   return report;
 }

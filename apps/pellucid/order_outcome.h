@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "pellucid/frontier_report.h"
 #include "pellucid/report.h"
 
 namespace pellucid::cli {

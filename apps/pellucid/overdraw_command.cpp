@@ -235,7 +235,7 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
   }
   report.measured_viewpoints = options.measured_viewpoints;
   const std::uint64_t all = posed.frames.size() * std::uint64_t{options.measured_viewpoints};
-  report.measured_pictures = options.pictures > 0 ? std::min(all, options.pictures) : all;
+  report.measured_images = options.pictures > 0 ? std::min(all, options.pictures) : all;
   report.notes = posed.notes;
   return report;
 }
@@ -288,7 +288,7 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
   OverdrawReport report = new_report(options, posed, sets);
   report.seconds_measure = measuring.seconds();
   report.seconds_read = seconds_read;
-  report.seconds_rivals = seconds_rivals;
+  report.seconds_baselines = seconds_rivals;
   // Never worse than the file was.
   if (rows[0].key_frames.mean > rows[1].key_frames.mean) {
     report.notes.emplace_back("the file's own order shades less in vain than any that was found: it is kept");

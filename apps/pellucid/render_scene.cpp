@@ -13,7 +13,7 @@ namespace {
 std::vector<Texture> textures_of(const Materials& materials) {
   std::vector<Texture> textures;
   for (const ModelTexture& texture : materials.textures) {
-    const Picture& picture = materials.pictures[texture.picture];
+    const RgbaImage& picture = materials.images[texture.image];
     textures.push_back({picture.width, picture.height, picture.rgba, texture.sampling});
   }
   return textures;

@@ -1,7 +1,7 @@
 // pellucid/compare_report.h - module `report`: capture techniques side by side, as a table, JSON and a page.
 //
-// In: what every technique captured of a scene, how long it took, and its picture; the same over a parameter
-// that is swept. Out: text. The keys of the JSON are a contract (docs/json.md,
+// In: what every technique captured of a scene, its time and its image; the same over a parameter that is
+// swept. Out: text and heat maps. The keys of the JSON are a contract (docs/json.md,
 // docs/schema/compare.schema.json). Paper: Vasilakis, Fudos, "Depth-Fighting Aware Methods for
 // Multi-Fragment Rendering", TVCG 2014, section 4: Table 1, figures 7 to 9 and 11.
 #pragma once
@@ -12,17 +12,33 @@
 #include <string>
 #include <vector>
 
+#include "pellucid/base.h"
 #include "pellucid/metric.h"
 #include "pellucid/render.h"
 #include "pellucid/report.h"
 
 namespace pellucid {
 
-// ------------------------------------------------------------------------------------ pictures and errors
+// ----------------------------------------------------------------------------------------------- heat maps
+
+// A value of every pixel as colours: white for zero, the darkest colour for the largest value, in the colours
+// of overdraw (overdraw_report.h). Of several samples per pixel the first is shown.
+struct NamedMap {
+  std::string name;     // "importance", "k", "loss", "fragments", "coplanar"
+  std::string caption;  // says what the darkest colour stands for
+  Image image;
+  std::string words, unit;  // "fragments lost to the tail", "fragments"
+  double most = 0;          // what the darkest colour stands for
+};
+// Returns importance, k and loss of a result drawn with RenderOptions::maps; nothing without maps.
+std::vector<NamedMap> budget_heat_maps(const RenderResult& result, std::uint32_t samples);
+// Returns the number of fragments, and of fragments that share their depth with another one, of a result
+// drawn with RenderOptions::keep_fragments; nothing without fragments.
+std::vector<NamedMap> fragment_heat_maps(const RenderResult& result, std::uint32_t samples);
 
 // ------------------------------------------------------------------------------------------------- a scene
 
-// A heat map for the page: white where there is none, then darker for more.
+// A heat map for the page.
 struct ReportMap {
   std::string name, words, unit;  // "k", "slots for fragments of a pixel", "slots"
   double most = 0;                // what the darkest colour stands for
@@ -31,19 +47,18 @@ struct ReportMap {
 
 struct ComparedTechnique {
   std::string name, title;
-  bool exact = false;   // by what it promises
-  std::string failure;  // why there is nothing else; empty: it was drawn
+  bool exact = false;   // the technique promises to capture every fragment
+  std::string failure;  // why the technique could not be drawn; empty: it was drawn
   CaptureStats stats;   // milliseconds: the median of the frames
   std::optional<ImageError> error;
-  // What it drew, and the difference from the exact picture. Empty where it differs nowhere by more than
-  // 1/255.
-  std::vector<ReportPicture> pictures;
+  // What it drew, and the difference from the exact image. Empty where no pixel differs by more than 1/255.
+  std::vector<ReportImage> images;
   PerceivedError perceived{};
-  std::optional<double> flicker{};  // of the frames of ComparedScene::flicker_frames
-  std::vector<ReportMap> maps{};    // of techniques with a budget
+  std::optional<double> flicker{};  // over the frames of ComparedScene::flicker_frames
+  std::vector<ReportMap> maps{};    // of techniques with a memory budget
 
   [[nodiscard]] bool drawn() const { return failure.empty(); }
-  // No pixel differs by more than 1/255 from the exact picture.
+  // Returns whether no pixel differs by more than 1/255 from the exact image.
   [[nodiscard]] bool equals_exact() const { return drawn() && error && error->differing == 0; }
 };
 
@@ -51,34 +66,35 @@ struct ComparedScene {
   std::string input, camera;
   std::uint32_t width = 0, height = 0;
   std::uint64_t triangles = 0, objects = 0;
-  std::string reference;  // what the exact picture was drawn by: "sb", "cpu"
-  CaptureStats exact;     // of that
-  ReportPicture picture;
+  std::string reference;  // the technique that drew the exact image: "sb", "cpu"
+  CaptureStats exact;     // of that technique
+  ReportImage image;      // the exact one
   std::uint32_t flicker_frames = 0;
   std::vector<std::uint64_t> pixels_by_depth;  // [n]: pixels with n fragments
   std::vector<ComparedTechnique> techniques;
   std::vector<std::string> notes;
-  std::vector<ReportMap> maps{};  // fragments, and coplanar ones, of every pixel, where there are any
+  std::vector<ReportMap> maps{};  // fragments, and coplanar fragments, of every pixel, where there are any
 
-  // The paper's C_p: share of covered pixels with fragments at one depth.
+  // Returns the paper's C_p: the share of covered pixels that have fragments at one depth.
   [[nodiscard]] double coplanar_share() const;
-  [[nodiscard]] double mean_depth() const;  // fragments of a covered pixel
-  // Of those that captured everything and promise to; null: none.
+  // Returns the mean number of fragments of a covered pixel.
+  [[nodiscard]] double mean_depth() const;
+  // Returns the fastest technique of those that promise to capture everything and did; null if there is none.
   [[nodiscard]] const ComparedTechnique* fastest_exact() const;
-  // Of a technique's time to that one's; none where either is not there.
+  // Returns the time of a technique divided by that of fastest_exact(); nothing where either was not drawn.
   [[nodiscard]] std::optional<double> time_ratio(const ComparedTechnique& technique) const;
 };
 
-// "2", "1-7"; "-" for techniques that give no slots.
+// Returns "2" or "1-7"; "-" for techniques without slots for fragments.
 std::string format_k_range(const CaptureStats& stats);
 
 // ------------------------------------------------------------------------------------------------- sweeps
 
 enum class SweepKind {
-  resolution,   // pixels of the picture (figure 7)
+  resolution,   // number of pixels (figure 7)
   coplanarity,  // copies of the scene in one place (figure 8)
-  depth,        // copies behind each other (figure 9)
-  memory        // for fragments, as a share of what all of them take (figure 11)
+  depth,        // copies of the scene behind each other (figure 9)
+  memory        // memory for fragments, as a share of what all fragments take (figure 11)
 };
 struct NamedSweep {
   SweepKind kind;
@@ -90,7 +106,7 @@ struct SweepPoint {
   double value = 0;  // of the parameter
   std::uint32_t width = 0, height = 0;
   std::uint64_t pool = 0;                         // nodes; 0: as many as there are fragments
-  std::vector<std::optional<CaptureStats>> runs;  // of every technique; none: it failed
+  std::vector<std::optional<CaptureStats>> runs;  // one per technique; nothing if it failed
 };
 struct ComparedSweep {
   SweepKind kind = SweepKind::resolution;
@@ -99,7 +115,7 @@ struct ComparedSweep {
   std::vector<SweepPoint> points;
 };
 
-// ------------------------------------------------------------------------------------------------ the report
+// ---------------------------------------------------------------------------------------------- the report
 
 struct CompareReport {
   DeviceInfo device;
@@ -115,30 +131,31 @@ struct CompareReport {
 // A technique over all scenes of a report.
 struct TechniqueSummary {
   std::string name;
-  bool exact = false;  // by what it promises
+  bool exact = false;  // the technique promises to capture every fragment
   std::uint32_t scenes = 0, drawn = 0;
-  std::uint32_t equal = 0;           // of those drawn: like the exact picture
+  std::uint32_t equal = 0;           // number of scenes drawn like the exact image
   std::optional<double> time_ratio;  // geometric mean over the scenes that have one
   std::optional<double> worst_psnr;
 };
-// In the sequence of the first scene that has them.
+// Returns one summary per technique, in the order of the first scene that has it.
 std::vector<TechniqueSummary> summarize(const CompareReport& report);
 
 std::string to_text(const CompareReport& report);
 
-// Where the pictures of a report are: keys "picture" and "difference" of its JSON. `none`: nowhere.
-enum class ImageFiles { none, beside };
-std::string to_json(const CompareReport& report, ImageFiles images = ImageFiles::none);
-
-// All pictures and heat maps as files of their own, by a path from the report's folder: "images/NAME.png".
+// An image or heat map of a report as a file of its own.
 struct ImageFile {
-  std::string path;
-  const std::vector<std::uint8_t>* png = nullptr;  // the report's
+  std::string path;                                // from the folder of the report: "images/NAME.png"
+  const std::vector<std::uint8_t>* png = nullptr;  // points into the report
 };
 std::vector<ImageFile> image_files(const CompareReport& report);
 
-// One self-contained page. Its script lets any two pictures be laid over each other; all else works without
-// it.
+// Whether the keys "picture" and "difference" of the JSON name the files of image_files(), which then have to
+// be written beside it, or are null.
+enum class ImageLinks { none, beside };
+std::string to_json(const CompareReport& report, ImageLinks links = ImageLinks::none);
+
+// Returns one self-contained page. Its script lays any two images over each other; everything else works
+// without the script.
 std::string compare_html(const CompareReport& report);
 
 }  // namespace pellucid

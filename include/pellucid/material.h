@@ -1,8 +1,8 @@
 // pellucid/material.h - module `asset`: how the surfaces of a model look: colours, opacity, textures.
 //
-// In: a model that read_model gave. Out: plain data, read and decoded on demand, so that those who order
-// meshes do not pay for it. Format: glTF 2.0, sections 3.8 and 3.9, KHR_texture_transform; of OBJ files
-// diffuse colours and opacities, without textures.
+// In: a model that read_model() returned. Out: plain data, which is read and decoded only when asked for, as
+// ordering a mesh does not need it. Format: glTF 2.0, sections 3.8 and 3.9, KHR_texture_transform; from OBJ
+// files diffuse colours and opacities, without textures.
 #pragma once
 
 #include <array>
@@ -16,14 +16,15 @@
 
 namespace pellucid {
 
-// Rows from the upper left; four bytes a texel: sRGB colour and linear opacity, not premultiplied.
-struct Picture {
+// A decoded image with opacity, such as a texture uses. Rows from the upper left, four bytes per texel: sRGB
+// colour and linear opacity, not premultiplied.
+struct RgbaImage {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
 };
 
 struct ModelTexture {
-  std::uint32_t picture = 0;  // index into Materials::pictures
+  std::uint32_t image = 0;  // index into Materials::images
   TextureSampling sampling;
 };
 
@@ -39,22 +40,22 @@ struct PrimitiveLook {
 };
 
 struct Materials {
-  std::vector<Picture> pictures;
+  std::vector<RgbaImage> images;
   std::vector<ModelTexture> textures;
   std::vector<PrimitiveLook> primitives;
-  std::vector<std::string> notes;  // what could not be read and is drawn without
+  std::vector<std::string> notes;  // what could not be read; the model is drawn without it
 };
 
 struct MaterialOptions {
-  std::uint64_t max_texels = 1ULL << 27U;  // of all pictures together
+  std::uint64_t max_texels = 1ULL << 27U;  // of all images together
 };
 
-// Pictures that are missing or of another format than PNG and JPEG are left out, with a note. Throws
-// Error{bad_input} naming file and place where one is damaged or too large, or where an accessor is wrong;
-// Error{bad_argument} where a primitive was split since it was read.
+// Reads the materials of a model. Images that are missing or in another format than PNG and JPEG are left
+// out, with a note. Throws Error{bad_input} naming file and place where an image is damaged or too large, or
+// where an accessor is wrong; Error{bad_argument} where a primitive was split after it was read.
 Materials read_materials(const Model& model, const MaterialOptions& options = {});
 
-// A PNG or JPEG. Throws Error{bad_input} where it is missing, damaged or of another format.
-Picture read_picture(const std::string& path);
+// Reads a PNG or JPEG file. Throws Error{bad_input} where it is missing, damaged or of another format.
+RgbaImage read_image(const std::string& path);
 
 }  // namespace pellucid

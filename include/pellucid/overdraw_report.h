@@ -1,8 +1,9 @@
 // pellucid/overdraw_report.h - module `report`: overdraw orders beside the baselines, as a table, JSON and a
 // page.
 //
-// In: a posed subject and the orders made for it. Out: what they cost on held-out views and poses, beside
-// what programs do without them. The keys of the JSON are a contract (docs/json.md).
+// In: what was measured of a posed subject, its orders and the baselines, on held-out viewpoints and poses.
+// Out: text and images. The keys of the JSON are a contract (docs/json.md). Paper: Han, Sander, "Triangle
+// Reordering for Efficient Rendering in Complex Scenes", 2017, figures 1 and 8.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +19,13 @@
 
 namespace pellucid {
 
-// One row of the table.
+// One row of the table: a method.
 struct OverdrawRow {
   std::string name;
   std::uint32_t buffers = 1;
   double acmr = 0;
-  OverdrawQuality key_frames;              // held-out views of the key frames
-  std::optional<OverdrawQuality> between;  // held-out views of poses between key frames
+  OverdrawQuality key_frames;              // over held-out views of the key frames
+  std::optional<OverdrawQuality> between;  // over held-out views of poses between key frames
 };
 
 struct OverdrawReport {
@@ -38,41 +39,48 @@ struct OverdrawReport {
     std::string name;
     std::uint64_t key_frames = 0;
   };
-  std::vector<Clip> clips;  // empty: a static mesh
+  std::vector<Clip> clips;  // empty for a static mesh
   std::vector<PosedFrame> frames;
   std::uint64_t views = 0, training_views = 0;
   std::uint32_t iterations = 0;
   std::uint32_t measured_viewpoints = 0;
-  std::uint64_t measured_pictures = 0;
-  std::vector<OverdrawRow> rows;   // the orders that were made come first
+  std::uint64_t measured_images = 0;
+  std::vector<OverdrawRow> rows;   // the orders that were made come first, then the baselines
   std::uint64_t memory_bytes = 0;  // of all index buffers, when drawn
   std::uint64_t disk_bytes = 0, file_bytes = 0;
   std::vector<std::string> files, notes;
-  OverdrawSeconds seconds;    // of the orders
-  double seconds_rivals = 0;  // what the orders are compared with
+  OverdrawSeconds seconds;       // to make the orders
+  double seconds_baselines = 0;  // to make the baselines
   double seconds_read = 0, seconds_measure = 0, seconds_write = 0, seconds_total = 0;
   std::uint64_t peak_rss_bytes = 0;
+
+  // Returns the number of key frames along the axis of overdraw_chart(): those of the longest row.
+  [[nodiscard]] std::size_t charted_frames() const;
 };
 std::string to_text(const OverdrawReport& report);
 std::string to_json(const OverdrawReport& report);
 
-// ----------------------------------------------------------------------------------------------- pictures
+// ------------------------------------------------------------------------------------------------- images
 
-// The picture of one view: how often a pixel was shaded in vain, from pale (never) to dark (figure 1 of the
-// paper). `shaded` as shaded_fragments() gives it.
+// The heat map of one view: how many fragments of each pixel were shaded, from pale (one, as it has to be) to
+// dark (many wasted fragments), as in figure 1 of the paper. `shaded` is what shaded_fragments() returns.
 struct HeatMap {
   std::string label;       // "paper, run 0.40 s: 1.153"
-  std::uint32_t size = 0;  // pixels a side
+  std::uint32_t size = 0;  // pixels per side
   std::vector<std::uint32_t> shaded;
 };
-// One self-contained page: the table, overdraw over the animation (figure 8), heat maps method by method and
-// frame by frame, each with its overdraw.
+// Returns one self-contained page: the table, overdraw over the animation (figure 8), and heat maps method by
+// method and frame by frame, each with its overdraw.
 std::string overdraw_html(const OverdrawReport& report, const std::vector<std::vector<HeatMap>>& sheet);
-// The heat maps as one picture: a row per method, a column per frame. Rows may differ in length, and maps in
-// size. Empty without any pixel. Throws Error{bad_argument} for maps that have not size * size pixels.
+// Returns the heat maps as one image, with a row per method and a column per frame. Rows may differ in
+// length, and maps in size. The image is empty if no map has a pixel. Throws Error{bad_argument} for a map
+// that does not have size * size pixels.
 Image contact_sheet(const std::vector<std::vector<HeatMap>>& sheet);
-// Mean overdraw of every row, key frame by key frame, as an SVG; of a single frame, a bar per row. Beyond 300
-// key frames, neighbours within a clip share a point.
-std::string overdraw_chart(const OverdrawReport& report);
+
+// An SVG element within an HTML page needs no namespace; an SVG file does.
+enum class ChartPlace { file, page };
+// Returns the mean overdraw of every row, key frame by key frame, as an SVG. For a single frame there is a
+// bar per row. With more than 300 key frames, neighbours within a clip share a point.
+std::string overdraw_chart(const OverdrawReport& report, ChartPlace place = ChartPlace::file);
 
 }  // namespace pellucid

@@ -1,8 +1,9 @@
-// pellucid/report.h - module `report`: what was done and how good it is, as a table, JSON and one HTML page.
+// pellucid/report.h - module `report`: tables, JSON, one HTML page and one SVG plot of what was ordered and
+// measured.
 //
-// In: order sets and what the modules `order` and `metric` say of them. Out: text. Nothing here draws or
-// orders; the numbers come in, or are gathered by measure_subjects(). The keys of the JSON are a contract
-// (docs/json.md).
+// In: order sets and the results of the modules `transparency`, `metric` and `baseline`. Out: text. Nothing
+// here draws, orders or measures. The keys of the JSON are a contract (docs/json.md). Overdraw orders have
+// their reports in overdraw_report.h, capture techniques in compare_report.h.
 #pragma once
 
 #include <array>
@@ -24,7 +25,7 @@
 
 namespace pellucid {
 
-// "0.1.0": written into every report.
+// The version of the library, such as "0.1.0". Every report names it.
 std::string_view library_version();
 
 // ---------------------------------------------------------------------------------------------- plain text
@@ -35,11 +36,15 @@ std::string format_nanoseconds(double time);         // 87 ns, 12.3 us, 4.56 ms
 std::string format_fixed(double value, int digits);  // "-" where the value is not finite
 std::string format_percent(double ratio);            // 0.0123 -> 1.23 %
 
-// Columns aligned by their widest cell: the first to the left, the others to the right.
+// Returns text that is safe as HTML content and in double-quoted attributes.
+std::string escape_html(std::string_view text);
+
+// A table whose columns are as wide as their widest cell. The first column is aligned to the left, the others
+// to the right.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header);
-  // As many cells as the header has.
+  // Adds a row, which is cut or filled up to as many cells as the header has.
   void add_row(std::vector<std::string> cells);
   [[nodiscard]] std::string to_string() const;
 
@@ -49,13 +54,13 @@ class TextTable {
 
 // ------------------------------------------------------------------------------------------ pellucid order
 
-// What --split did to a primitive.
+// What splitting did to a primitive (pellucid/split.h).
 struct SplitReport {
   std::uint64_t intersecting_pairs = 0, pairs_left = 0;
-  std::uint32_t viewpoints = 0;  // that cycles were looked for from
+  std::uint32_t viewpoints = 0;  // number of viewpoints that were searched for cycles
   std::uint32_t cyclic_before = 0, cyclic_left = 0;
   std::uint64_t added_by_intersections = 0, added_by_cycles = 0;  // triangles
-  bool limit_met = false;
+  bool limit_met = false;  // the limit of new triangles was reached before everything was cut
 };
 
 struct PrimitiveOrderReport {
@@ -63,14 +68,14 @@ struct PrimitiveOrderReport {
   std::uint32_t primitive = 0;
   std::uint64_t triangles = 0;  // ordered
   std::uint64_t vertices = 0;
-  MeshReport check;        // of the input; what is degenerate or not finite was dropped
+  MeshReport check;        // of the input; degenerate and non-finite triangles were dropped
   double acmr_before = 0;  // of the input's own order
   std::vector<BufferStatistics> buffers;
   std::uint64_t memory_bytes = 0;  // index data when drawn
   OrderStatistics statistics;
-  std::optional<OrderErrorRecord> error;  // held-out viewpoints, when validated
-  // Of these, share of pixels that stay wrong in the best order found for each viewpoint alone; < 0: not
-  // measured.
+  std::optional<OrderErrorRecord> error;  // over held-out viewpoints, if the orders were validated
+  // Share of pixels, over the same viewpoints, that are wrong even in the best order found for each viewpoint
+  // alone. Negative: not measured.
   double ipr_unavoidable = -1;
   std::optional<SplitReport> split;
 };
@@ -81,7 +86,8 @@ struct OrderReport {
   std::uint64_t seed = 0;
   std::uint32_t cache_size = 0;
   std::string cache_method;
-  double alpha = 0, picture_alpha = 0.5;  // weights of occlusions (0: areas); pictures that PSNR is of
+  double alpha = 0;          // opacity that weights occlusions; 0: they are weighted by area
+  double image_alpha = 0.5;  // opacity in the images that PSNR is measured on
   std::vector<double> distances;
   std::vector<PrimitiveOrderReport> primitives;
   std::uint64_t disk_bytes = 0;  // of the orders, as stored
@@ -92,25 +98,55 @@ struct OrderReport {
   std::uint64_t peak_rss_bytes = 0;
 };
 std::string to_text(const OrderReport& report);
-std::string to_line(const OrderReport& report);  // output, size and error of its worst primitive
+// Returns one line: the output, its size, and the error of the primitive that has the largest.
+std::string to_line(const OrderReport& report);
 std::string to_json(const OrderReport& report);
 
-// Many files in one call.
+// Many files that were ordered in one call.
 struct OrderFailure {
   std::string input, output;
-  int exit_code = 1;  // that of the file alone; 5: the output was written all the same
+  int exit_code = 1;  // exit code for this file alone; with 5 the output was written nevertheless
   std::string message;
 };
 struct OrderBatchReport {
   std::uint64_t inputs = 0;
   std::vector<OrderReport> results;  // of all files that were written
   std::vector<OrderFailure> failures;
-  std::vector<std::pair<std::string, std::string>> skipped;  // input, output that was there
+  std::vector<std::pair<std::string, std::string>> skipped;  // input, and output that existed already
   bool interrupted = false;
   double seconds_total = 0;
   std::uint64_t peak_rss_bytes = 0;
 };
 std::string to_json(const OrderBatchReport& report);
+
+// ------------------------------------------------------------- the Pareto front: error and number of buffers
+
+struct PrimitiveFrontier {
+  std::string name;
+  std::uint32_t primitive = 0;
+  std::uint64_t triangles = 0, vertices = 0;
+  OrderFrontier frontier;
+};
+
+struct FrontierReport {
+  std::string input, views;
+  std::vector<double> distances;
+  std::uint64_t seed = 0;
+  double alpha = 0;          // as in OrderOptions
+  double image_alpha = 0.5;  // opacity in the images that PSNR is measured on
+  double max_error = 0.001;
+  std::optional<double> min_psnr;  // replaces max_error
+  bool least_frame_time = false;   // replaces both
+  std::vector<PrimitiveFrontier> primitives;
+};
+std::string to_text(const FrontierReport& report);
+// Returns the same bytes for the same input, options and seed, as it contains no times
+// (docs/schema/frontier.schema.json).
+std::string to_json(const FrontierReport& report);
+// Returns one plot per primitive: error (logarithmic) and PSNR over the number of buffers, with the target,
+// the number that was chosen and the knee. The SVG stands alone, follows the reader's light or dark scheme,
+// and has no script and no fonts.
+std::string frontier_svg(const FrontierReport& report);
 
 // ---------------------------------------------------------------------------------------- pellucid measure
 
@@ -125,29 +161,25 @@ struct MeasureReport {
 std::string to_text(const MeasureReport& report);
 std::string to_json(const MeasureReport& report);
 
-// ------------------------------------------------------------------------------------------------ the page
-
-struct ReportPicture {
+// An image of a report page.
+struct ReportImage {
   std::string caption;
   std::vector<std::uint8_t> png;
 };
-struct PictureRow {
+struct ImageRow {
   std::string title;
-  std::vector<ReportPicture> pictures;
+  std::vector<ReportImage> images;
 };
 struct HtmlReportInput {
-  std::string title;  // any text; escaped
+  std::string title;  // any text; it is escaped
   const MeasureReport* measured = nullptr;
-  std::size_t primitive = 0;         // the one that the pictures show
-  const OrderSet* orders = nullptr;  // of its first method
-  std::span<const PictureRow> rows;
-  std::string command;  // how to make this page again
+  std::size_t primitive = 0;         // the primitive that the images show
+  const OrderSet* orders = nullptr;  // of that primitive's first method
+  std::span<const ImageRow> rows;
+  std::string command;  // the command that makes this page
 };
-// One self-contained page: no script, no network, pictures as data URIs, plots as inline SVG.
+// Returns one self-contained page: no script, no network, images as data URIs, plots as inline SVG.
 std::string html_report(const HtmlReportInput& input);
-
-// Text made safe for HTML content and double-quoted attributes.
-std::string escape_html(std::string_view text);
 
 // ---------------------------------------------------------------------------------------- pellucid inspect
 

@@ -34,7 +34,7 @@ void check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_tex
   }
 }
 
-Picture decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
+RgbaImage decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   // Frees what libpng holds, whatever happens.
@@ -46,7 +46,7 @@ Picture decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
     throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
   check_size(header.width, header.height, max_texels);
   header.format = PNG_FORMAT_RGBA;
-  Picture picture{header.width, header.height, {}};
+  RgbaImage picture{header.width, header.height, {}};
   picture.rgba.resize(PNG_IMAGE_SIZE(header));
   if (png_image_finish_read(&header, nullptr, picture.rgba.data(), 0, nullptr) == 0)
     throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
@@ -114,7 +114,7 @@ bool decode_rows(JpegReader& reader, std::uint8_t* rgb) {
   return true;
 }
 
-Picture decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels) {
+RgbaImage decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels) {
   JpegReader reader;
   struct Free {
     jpeg_decompress_struct* jpeg;
@@ -125,7 +125,7 @@ Picture decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels) {
   };
   if (!begin_jpeg(reader, file)) complain();
   check_size(reader.jpeg.image_width, reader.jpeg.image_height, max_texels);
-  Picture picture{reader.jpeg.image_width, reader.jpeg.image_height, {}};
+  RgbaImage picture{reader.jpeg.image_width, reader.jpeg.image_height, {}};
   const std::size_t texels = std::size_t{picture.width} * picture.height;
   std::vector<std::uint8_t> rgb(3 * texels);
   if (!decode_rows(reader, rgb.data())) complain();
@@ -136,7 +136,7 @@ Picture decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels) {
 
 #else
 
-Picture decode_jpeg(std::span<const std::byte> /*file*/, std::uint64_t /*max_texels*/) {
+RgbaImage decode_jpeg(std::span<const std::byte> /*file*/, std::uint64_t /*max_texels*/) {
   throw PictureError("it is a JPEG, and this build of pellucid cannot read JPEG (PELLUCID_JPEG is off)");
 }
 
@@ -156,11 +156,11 @@ bool can_decode(std::span<const std::byte> file) {
 #endif
 }
 
-Picture decode_picture(std::span<const std::byte> file, std::uint64_t max_texels) {
+RgbaImage decode_picture(std::span<const std::byte> file, std::uint64_t max_texels) {
   return begins_with(file, kPngBegins) ? decode_png(file, max_texels) : decode_jpeg(file, max_texels);
 }
 
-Picture read_picture(const std::string& path) {
+RgbaImage read_image(const std::string& path) {
   constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 27U;
   const std::vector<std::byte> file = read_file(path);
   if (!is_picture(file)) throw Error(ErrorKind::bad_input, path + ": neither PNG nor JPEG");

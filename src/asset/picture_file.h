@@ -19,7 +19,7 @@ bool is_picture(std::span<const std::byte> file);
 
 // Throws PictureError where the file is damaged, or says that it has more than `max_texels` texels: then
 // nothing was allocated for them.
-Picture decode_picture(std::span<const std::byte> file, std::uint64_t max_texels);
+RgbaImage decode_picture(std::span<const std::byte> file, std::uint64_t max_texels);
 
 // Returns whether decode_picture() knows the format of an image file: JPEG only where PELLUCID_JPEG is on.
 bool can_decode(std::span<const std::byte> file);

@@ -152,7 +152,7 @@ class MaterialReader {
     if (picture) {
       number = static_cast<std::uint32_t>(result_.textures.size());
       ModelTexture& read = result_.textures.emplace_back();
-      read.picture = *picture;
+      read.image = *picture;
       if (const auto sampler_index = texture.find_index("sampler")) {
         const Fields sampler = root_.element("samplers", *sampler_index);
         read.sampling = sampling_of(sampler);
@@ -205,14 +205,14 @@ class MaterialReader {
     if (const auto found = pictures_.find(*source); found != pictures_.end()) return found->second;
     const Fields image = root_.element("images", *source);
     std::optional<std::uint32_t> number;
-    if (std::optional<Picture> picture = decode(image)) {
-      number = static_cast<std::uint32_t>(result_.pictures.size());
-      result_.pictures.push_back(std::move(*picture));
+    if (std::optional<RgbaImage> picture = decode(image)) {
+      number = static_cast<std::uint32_t>(result_.images.size());
+      result_.images.push_back(std::move(*picture));
     }
     return pictures_[*source] = number;
   }
 
-  std::optional<Picture> decode(const Fields& image) {
+  std::optional<RgbaImage> decode(const Fields& image) {
     Bytes storage;
     std::span<const std::byte> file;
     if (const auto view = image.find_index("bufferView")) {
@@ -235,7 +235,7 @@ class MaterialReader {
       return {};
     }
     try {
-      Picture picture = decode_picture(file, texels_left_);
+      RgbaImage picture = decode_picture(file, texels_left_);
       texels_left_ -= std::uint64_t{picture.width} * picture.height;
       return picture;
     } catch (const PictureError& error) {

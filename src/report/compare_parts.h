@@ -1,34 +1,33 @@
-// The parts of the page of compare_html(), each in a file of its own.
+// What the files of the page of compare_html() share: its sections, anchors, style and scripts.
+// In: a comparison or a part of it. Out: HTML.
 #pragma once
 
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "pellucid/compare_report.h"
 
 namespace pellucid {
 
-// The file's name, without folders.
+// Returns the name of a file without its folders.
 std::string name_of(const std::string& input);
-std::string scene_anchor(std::size_t number);  // "scene-0": the id of its section
+// Returns the id of a section, such as "scene-0".
+std::string scene_anchor(std::size_t number);
 std::string sweep_anchor(std::size_t number);
 
-// Links to all sections, and all techniques over all scenes; empty of less than two scenes.
-std::string compare_overview(const CompareReport& report);
-
-// Any two pictures over each other, by the page's script; every picture beside its difference, without.
-std::string picture_viewer(const ComparedScene& scene, std::size_t number);
-// Fragments of every pixel, and what techniques with a budget made of it, with scales.
-std::string heat_maps(const ComparedScene& scene);
-
-// Error over time and over memory; time, memory and error of every technique as bars.
+// Returns the images of a scene: with the page's script any two of them over each other, without it every
+// image beside its difference from the exact one.
+std::string image_viewer(const ComparedScene& scene, std::size_t number);
+// Returns the heat maps of a scene and of its techniques, with scales.
+std::string heat_map_section(const ComparedScene& scene);
+// Returns plots of error over time and over memory, and time, memory and error of every technique as bars.
 std::string technique_plots(const ComparedScene& scene);
-
-// Charts of a parameter.
+// Returns the charts of a sweep.
 std::string sweep_section(const ComparedSweep& sweep, std::size_t number);
 
-// <div class="flip"> of radio buttons, which need no script, and the arrow keys go through them; the first
-// one is chosen. `kind`: the class of what is shown.
+// A group of radio buttons, <div class="flip">, of which the first is chosen and each shows one thing. It
+// needs no script, and the arrow keys move through it. `kind` is the class of what is shown.
 class Choices {
  public:
   Choices(std::string id, std::string kind) : id_(std::move(id)), kind_(std::move(kind)) {}
@@ -42,5 +41,10 @@ class Choices {
   std::string id_, kind_, choices_;
   std::size_t count_ = 0;
 };
+
+// compare_page.css, compare_viewer.js and compare_tables.js, which CMake embeds (page_files.cpp.in).
+extern const char* const kCompareStyle;
+extern const char* const kCompareViewer;
+extern const char* const kCompareTables;
 
 }  // namespace pellucid

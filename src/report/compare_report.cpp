@@ -1,16 +1,70 @@
-// Capture techniques side by side as a table and JSON: see pellucid/compare_report.h.
+// compare_report.cpp
 #include "pellucid/compare_report.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 
-#include "report/compare_images.h"
 #include "report/json.h"
 
 namespace pellucid {
 namespace {
+
+// --------------------------------------------------------------------------------------------- image files
+
+// What any file system and any shell takes.
+std::string plain_name(const std::string& input) {
+  std::string name = std::filesystem::path(input).stem().string();
+  for (char& c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x80U || (std::isalnum(byte) == 0 && c != '-' && c != '_' && c != '.')) c = '_';
+  }
+  return name;
+}
+
+std::string image_path(const CompareReport& report, std::size_t scene, const std::string& what) {
+  const std::string name = plain_name(report.scenes[scene].input);
+  return report.scenes.size() == 1 ? fmt::format("images/{}-{}.png", name, what)
+                                   : fmt::format("images/{}-{}-{}.png", scene + 1, name, what);
+}
+
+// ------------------------------------------------------------------------------ techniques over all scenes
+
+// Sums of what has a mean.
+struct Gathered {
+  TechniqueSummary summary;
+  double log_ratios = 0;
+  std::uint32_t ratios = 0;
+};
+
+Gathered& entry_of(std::vector<Gathered>& all, const ComparedTechnique& technique) {
+  for (Gathered& one : all)
+    if (one.summary.name == technique.name) return one;
+  Gathered& added = all.emplace_back();
+  added.summary.name = technique.name;
+  added.summary.exact = technique.exact;
+  return added;
+}
+
+void gather(const ComparedTechnique& technique, const ComparedScene& scene, Gathered& into) {
+  TechniqueSummary& summary = into.summary;
+  ++summary.scenes;
+  if (!technique.drawn()) return;
+  ++summary.drawn;
+  summary.equal += technique.equals_exact() ? 1U : 0U;
+  if (technique.error)
+    summary.worst_psnr = std::min(summary.worst_psnr.value_or(INFINITY), technique.error->psnr);
+  if (const std::optional<double> ratio = scene.time_ratio(technique); ratio && *ratio > 0) {
+    into.log_ratios += std::log(*ratio);
+    ++into.ratios;
+  }
+}
+
+// ---------------------------------------------------------------------------------------------------- JSON
 
 double pixels_of(const ComparedScene& scene) {
   return static_cast<double>(scene.width) * scene.height;
@@ -70,18 +124,18 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
 
 // Of the files of image_files(). Techniques that differ nowhere have the exact picture.
 Json picture_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
-  if (!technique.drawn() || report.scenes[number].picture.png.empty()) return nullptr;
-  return image_path(report, number, technique.pictures.empty() ? "exact" : technique.name);
+  if (!technique.drawn() || report.scenes[number].image.png.empty()) return nullptr;
+  return image_path(report, number, technique.images.empty() ? "exact" : technique.name);
 }
 Json difference_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
-  return technique.pictures.size() < 2 ? Json(nullptr)
-                                       : Json(image_path(report, number, technique.name + "-difference"));
+  return technique.images.size() < 2 ? Json(nullptr)
+                                     : Json(image_path(report, number, technique.name + "-difference"));
 }
 
 // `number`: of the scene. Keys "picture" and "difference" are null where there are no such files.
-Json json_of(const CompareReport& report, std::size_t number, ImageFiles images) {
+Json json_of(const CompareReport& report, std::size_t number, ImageLinks images) {
   const ComparedScene& scene = report.scenes[number];
-  const bool has_files = images == ImageFiles::beside;
+  const bool has_files = images == ImageLinks::beside;
   Json techniques = Json::array();
   for (const ComparedTechnique& technique : scene.techniques) {
     Json& json = techniques.emplace_back(json_of(technique, scene));
@@ -89,7 +143,7 @@ Json json_of(const CompareReport& report, std::size_t number, ImageFiles images)
     json["picture"] = has_files ? picture_of(report, number, technique) : Json(nullptr);
     json["difference"] = has_files ? difference_of(report, number, technique) : Json(nullptr);
   }
-  const bool has_picture = has_files && !scene.picture.png.empty();
+  const bool has_picture = has_files && !scene.image.png.empty();
   return {{"scene", scene.input},
           {"size", fmt::format("{}x{}", scene.width, scene.height)},
           {"width", scene.width},
@@ -149,6 +203,8 @@ Json json_of(const ComparedSweep& sweep) {
           {"scene", sweep.input},
           {"points", std::move(points)}};
 }
+
+// ---------------------------------------------------------------------------------------------------- text
 
 std::vector<std::string> cells_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   const char* promise = technique.exact ? "yes" : "no";
@@ -272,7 +328,7 @@ std::string to_text(const CompareReport& report) {
   return text;
 }
 
-std::string to_json(const CompareReport& report, ImageFiles images) {
+std::string to_json(const CompareReport& report, ImageLinks images) {
   Json scenes = Json::array();
   for (std::size_t s = 0; s < report.scenes.size(); ++s) scenes.push_back(json_of(report, s, images));
   Json summary = Json::array();
@@ -294,6 +350,44 @@ std::string to_json(const CompareReport& report, ImageFiles images) {
   json["seconds"] = {{"total", report.seconds_total}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   return dump(json);
+}
+
+std::vector<TechniqueSummary> summarize(const CompareReport& report) {
+  std::vector<Gathered> all;
+  for (const ComparedScene& scene : report.scenes)
+    for (const ComparedTechnique& technique : scene.techniques)
+      gather(technique, scene, entry_of(all, technique));
+  std::vector<TechniqueSummary> summaries;
+  for (Gathered& one : all) {
+    if (one.ratios > 0) one.summary.time_ratio = std::exp(one.log_ratios / one.ratios);
+    summaries.push_back(std::move(one.summary));
+  }
+  return summaries;
+}
+
+std::optional<double> ComparedScene::time_ratio(const ComparedTechnique& technique) const {
+  const ComparedTechnique* fastest = fastest_exact();
+  if (!technique.drawn() || fastest == nullptr || !(fastest->stats.milliseconds > 0)) return std::nullopt;
+  return technique.stats.milliseconds / fastest->stats.milliseconds;
+}
+
+std::vector<ImageFile> image_files(const CompareReport& report) {
+  std::vector<ImageFile> files;
+  for (std::size_t s = 0; s < report.scenes.size(); ++s) {
+    const ComparedScene& scene = report.scenes[s];
+    const auto add = [&](const std::string& what, const std::vector<std::uint8_t>& png) {
+      files.push_back({image_path(report, s, what), &png});
+    };
+    if (!scene.image.png.empty()) add("exact", scene.image.png);
+    for (const ReportMap& map : scene.maps) add(map.name, map.png);
+    for (const ComparedTechnique& technique : scene.techniques) {
+      const std::string& name = technique.name;
+      if (!technique.images.empty()) add(name, technique.images[0].png);
+      if (technique.images.size() > 1) add(name + "-difference", technique.images[1].png);
+      for (const ReportMap& map : technique.maps) add(name + "-" + map.name, map.png);
+    }
+  }
+  return files;
 }
 
 }  // namespace pellucid

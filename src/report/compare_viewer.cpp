@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "report/compare_parts.h"
+#include "report/heat_maps.h"
 #include "report/html_page.h"
-#include "report/overdraw_pictures.h"
 
 namespace pellucid {
 namespace {
@@ -20,20 +20,20 @@ constexpr int kFirstGain = 4;
 
 // Techniques that drew the same picture share it.
 struct SharedPicture {
-  const ReportPicture* drawn = nullptr;
-  const ReportPicture* difference = nullptr;
+  const ReportImage* drawn = nullptr;
+  const ReportImage* difference = nullptr;
   std::vector<const ComparedTechnique*> techniques;
 };
 
 std::vector<SharedPicture> shared_pictures(const ComparedScene& scene) {
   std::vector<SharedPicture> all;
   for (const ComparedTechnique& technique : scene.techniques) {
-    if (!technique.drawn() || technique.pictures.empty()) continue;
-    const ReportPicture& drawn = technique.pictures.front();
+    if (!technique.drawn() || technique.images.empty()) continue;
+    const ReportImage& drawn = technique.images.front();
     auto same = std::find_if(all.begin(), all.end(),
                              [&](const SharedPicture& other) { return other.drawn->png == drawn.png; });
     if (same == all.end()) {
-      all.push_back({&drawn, technique.pictures.size() > 1 ? &technique.pictures[1] : nullptr, {}});
+      all.push_back({&drawn, technique.images.size() > 1 ? &technique.images[1] : nullptr, {}});
       same = all.end() - 1;
     }
     same->techniques.push_back(&technique);
@@ -108,7 +108,7 @@ class Menu {
       }
     }
     for (const ComparedTechnique& technique : scene_.techniques) {
-      if (technique.drawn() && technique.pictures.empty())
+      if (technique.drawn() && technique.images.empty())
         equal += option(picture_key(0), technique.name, words_of(technique));
     }
     groups_ += group("differ from the exact picture", differing) + group("equal to it", equal);
@@ -182,7 +182,7 @@ std::string scripted_viewer(const ComparedScene& scene, const std::string& id) {
 
 std::string plain_viewer(const ComparedScene& scene, const std::string& id) {
   Choices choices(id, "views");
-  choices.add("exact", figure(scene.picture.caption, scene.picture.png, key_attribute(picture_key(0))));
+  choices.add("exact", figure(scene.image.caption, scene.image.png, key_attribute(picture_key(0))));
   for (const SharedPicture& picture : shared_pictures(scene)) {
     const std::string names = names_of(picture.techniques);
     std::string figures = figure(names, picture.drawn->png, key_attribute(picture_key(choices.size())));
@@ -202,7 +202,7 @@ std::string plain_viewer(const ComparedScene& scene, const std::string& id) {
 std::string equal_names(const ComparedScene& scene) {
   std::vector<const ComparedTechnique*> equal;
   for (const ComparedTechnique& technique : scene.techniques)
-    if (technique.drawn() && technique.pictures.empty()) equal.push_back(&technique);
+    if (technique.drawn() && technique.images.empty()) equal.push_back(&technique);
   if (equal.empty()) return {};
   return "<p class=\"note\">No pixel differs by more than 1/255 from the exact picture: " +
          escape_html(names_of(equal)) + ".</p>";
@@ -267,14 +267,14 @@ void Choices::add(const std::string& name, const std::string& content) {
   ++count_;
 }
 
-std::string picture_viewer(const ComparedScene& scene, std::size_t number) {
-  if (scene.picture.png.empty()) return {};
+std::string image_viewer(const ComparedScene& scene, std::size_t number) {
+  if (scene.image.png.empty()) return {};
   const std::string id = fmt::format("pictures{}", number);
   return "<div class=\"row\"><h3>Pictures</h3>" + scripted_viewer(scene, id) + plain_viewer(scene, id) +
          equal_names(scene) + "</div>";
 }
 
-std::string heat_maps(const ComparedScene& scene) {
+std::string heat_map_section(const ComparedScene& scene) {
   std::string figures;
   std::size_t number = 0;
   const auto add = [&](const std::string& name, const ReportMap& map) {

@@ -1,10 +1,15 @@
-// What `pellucid order` did, as a table and as JSON: see pellucid/report.h.
+// order_report.cpp
 #include <fmt/format.h>
 
-#include "report/order_json.h"
+#include <algorithm>
+
+#include "pellucid/report.h"
+#include "report/json.h"
 
 namespace pellucid {
 namespace {
+
+// ---------------------------------------------------------------------------------------------------- JSON
 
 Json json_of(const BufferStatistics& buffer) {
   return {{"triangles", buffer.triangles},
@@ -83,6 +88,77 @@ Json json_of(const PrimitiveOrderReport& primitive) {
   return json;
 }
 
+Json json_of(const OrderReport& report) {
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t memory = 0;
+  std::uint64_t dropped = 0;
+  double dropped_weight = 0;
+  std::uint64_t cyclic_cells = 0;
+  StageSeconds stages;
+  Json buffers = Json::array();
+  Json primitives = Json::array();
+  for (const PrimitiveOrderReport& primitive : report.primitives) {
+    triangles += primitive.triangles;
+    vertices += primitive.vertices;
+    memory += primitive.memory_bytes;
+    dropped += primitive.statistics.dropped_edges;
+    // Shares of weight cannot be added: the mean by triangles says what a typical primitive lost.
+    dropped_weight += primitive.statistics.dropped_weight * static_cast<double>(primitive.triangles);
+    cyclic_cells += primitive.statistics.cyclic_cells;
+    stages.graph += primitive.statistics.seconds.graph;
+    stages.cluster += primitive.statistics.seconds.cluster;
+    stages.sequence += primitive.statistics.seconds.sequence;
+    stages.refine += primitive.statistics.seconds.refine;
+    for (const BufferStatistics& buffer : primitive.buffers) {
+      Json json = json_of(buffer);
+      json["primitive"] = primitive.primitive;
+      buffers.push_back(std::move(json));
+    }
+    primitives.push_back(json_of(primitive));
+  }
+  if (triangles > 0) dropped_weight /= static_cast<double>(triangles);
+  Json distances = Json::array();
+  for (const double distance : report.distances) distances.push_back(json_distance(distance));
+
+  return {{"schema", kJsonSchema},
+          {"version", library_version()},
+          {"input", report.input},
+          {"output", report.output},
+          {"files", report.files},
+          {"triangles", triangles},
+          {"vertices", vertices},
+          {"method", report.method},
+          {"views", report.views},
+          {"distances", std::move(distances)},
+          {"cache", report.cache_size},
+          {"cache_method", report.cache_method},
+          {"alpha", report.alpha > 0 ? Json(report.alpha) : Json(nullptr)},
+          {"picture_alpha", report.image_alpha},
+          {"seed", report.seed},
+          {"buffer_count", buffers.size()},
+          {"buffers", buffers},
+          {"memory_bytes", memory},
+          {"disk_bytes", report.disk_bytes},
+          {"file_bytes", report.file_bytes},
+          {"dropped_edges", {{"count", dropped}, {"weight", dropped_weight}}},
+          {"cyclic_cells", cyclic_cells},
+          {"seconds",
+           {{"total", report.seconds_total},
+            {"read", report.seconds_read},
+            {"graph", stages.graph},
+            {"cluster", stages.cluster},
+            {"sequence", stages.sequence},
+            {"refine", stages.refine},
+            {"validate", report.seconds_validate},
+            {"write", report.seconds_write}}},
+          {"peak_rss_bytes", report.peak_rss_bytes},
+          {"primitives", std::move(primitives)},
+          {"notes", report.notes}};
+}
+
+// ---------------------------------------------------------------------------------------------------- text
+
 std::string problems_of(const MeshReport& check) {
   std::string text;
   const auto add = [&](std::uint64_t count, const char* what) {
@@ -130,75 +206,6 @@ std::string bounds_of(const PrimitiveOrderReport& primitive) {
 
 }  // namespace
 
-Json json_of(const OrderReport& report) {
-  std::uint64_t triangles = 0;
-  std::uint64_t vertices = 0;
-  std::uint64_t memory = 0;
-  std::uint64_t dropped = 0;
-  double dropped_weight = 0;
-  std::uint64_t cyclic_cells = 0;
-  StageSeconds stages;
-  Json buffers = Json::array();
-  Json primitives = Json::array();
-  for (const PrimitiveOrderReport& primitive : report.primitives) {
-    triangles += primitive.triangles;
-    vertices += primitive.vertices;
-    memory += primitive.memory_bytes;
-    dropped += primitive.statistics.dropped_edges;
-    // Shares of weight cannot be added: the mean by triangles says what a typical primitive lost.
-    dropped_weight += primitive.statistics.dropped_weight * static_cast<double>(primitive.triangles);
-    cyclic_cells += primitive.statistics.cyclic_cells;
-    stages.graph += primitive.statistics.seconds.graph;
-    stages.cluster += primitive.statistics.seconds.cluster;
-    stages.sequence += primitive.statistics.seconds.sequence;
-    stages.refine += primitive.statistics.seconds.refine;
-    for (const BufferStatistics& buffer : primitive.buffers) {
-      Json json = json_of(buffer);
-      json["primitive"] = primitive.primitive;
-      buffers.push_back(std::move(json));
-    }
-    primitives.push_back(json_of(primitive));
-  }
-  if (triangles > 0) dropped_weight /= static_cast<double>(triangles);
-  Json distances = Json::array();
-  for (const double distance : report.distances) distances.push_back(json_distance(distance));
-
-  return {{"schema", kJsonSchema},
-          {"version", library_version()},
-          {"input", report.input},
-          {"output", report.output},
-          {"files", report.files},
-          {"triangles", triangles},
-          {"vertices", vertices},
-          {"method", report.method},
-          {"views", report.views},
-          {"distances", std::move(distances)},
-          {"cache", report.cache_size},
-          {"cache_method", report.cache_method},
-          {"alpha", report.alpha > 0 ? Json(report.alpha) : Json(nullptr)},
-          {"picture_alpha", report.picture_alpha},
-          {"seed", report.seed},
-          {"buffer_count", buffers.size()},
-          {"buffers", buffers},
-          {"memory_bytes", memory},
-          {"disk_bytes", report.disk_bytes},
-          {"file_bytes", report.file_bytes},
-          {"dropped_edges", {{"count", dropped}, {"weight", dropped_weight}}},
-          {"cyclic_cells", cyclic_cells},
-          {"seconds",
-           {{"total", report.seconds_total},
-            {"read", report.seconds_read},
-            {"graph", stages.graph},
-            {"cluster", stages.cluster},
-            {"sequence", stages.sequence},
-            {"refine", stages.refine},
-            {"validate", report.seconds_validate},
-            {"write", report.seconds_write}}},
-          {"peak_rss_bytes", report.peak_rss_bytes},
-          {"primitives", std::move(primitives)},
-          {"notes", report.notes}};
-}
-
 std::string to_json(const OrderReport& report) {
   return dump(json_of(report));
 }
@@ -243,6 +250,45 @@ std::string to_text(const OrderReport& report) {
                       format_seconds(report.seconds_validate), format_seconds(report.seconds_write),
                       format_bytes(report.peak_rss_bytes));
   return text;
+}
+
+std::string to_json(const OrderBatchReport& report) {
+  Json results = Json::array();
+  for (const OrderReport& result : report.results) results.push_back(json_of(result));
+  Json failures = Json::array();
+  for (const OrderFailure& failure : report.failures) {
+    failures.push_back({{"input", failure.input},
+                        {"output", failure.output},
+                        {"exit_code", failure.exit_code},
+                        {"message", failure.message}});
+  }
+  Json skipped = Json::array();
+  for (const auto& [input, output] : report.skipped)
+    skipped.push_back({{"input", input}, {"output", output}});
+  return dump({{"schema", kJsonSchema},
+               {"version", library_version()},
+               {"inputs", report.inputs},
+               {"interrupted", report.interrupted},
+               {"results", std::move(results)},
+               {"failures", std::move(failures)},
+               {"skipped", std::move(skipped)},
+               {"seconds", {{"total", report.seconds_total}}},
+               {"peak_rss_bytes", report.peak_rss_bytes}});
+}
+
+std::string to_line(const OrderReport& report) {
+  std::uint64_t triangles = 0;
+  std::size_t buffers = 0;
+  double error = -1;
+  for (const PrimitiveOrderReport& primitive : report.primitives) {
+    triangles += primitive.triangles;
+    buffers += primitive.buffers.size();
+    error =
+        std::max(error, primitive.error ? primitive.error->ipr_mean : primitive.statistics.measured_error);
+  }
+  return fmt::format("{}: {} triangles, {} buffer(s), {}, wrong pixels {}, {}\n", report.output,
+                     format_count(triangles), buffers, format_bytes(report.disk_bytes),
+                     error < 0 ? "-" : format_percent(error), format_seconds(report.seconds_total));
 }
 
 }  // namespace pellucid

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pellucid/overdraw_report.h"
 #include "pellucid/report.h"
-#include "report/chart_parts.h"
-#include "report/overdraw_pictures.h"
+#include "report/charts.h"
 
 namespace pellucid {
 namespace {
@@ -314,14 +314,14 @@ std::string bars_svg(const OverdrawReport& report, double bottom) {
 
 }  // namespace
 
-std::size_t charted_frames(const OverdrawReport& report) {
+std::size_t OverdrawReport::charted_frames() const {
   std::size_t frames = 0;
-  for (const OverdrawRow& row : report.rows) frames = std::max(frames, row.key_frames.by_frame.size());
+  for (const OverdrawRow& row : rows) frames = std::max(frames, row.key_frames.by_frame.size());
   return frames;
 }
 
-std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
-  const std::size_t frames = charted_frames(report);
+std::string overdraw_chart(const OverdrawReport& report, ChartPlace place) {
+  const std::size_t frames = report.charted_frames();
   const double bars_bottom = kChartTop - 10 + kBarPitch * static_cast<double>(report.rows.size());
   double height = kChartHeight;
   std::string content;
@@ -340,10 +340,6 @@ std::string overdraw_chart_for(const OverdrawReport& report, ChartPlace place) {
       "width=\"100%\" height=\"100%\" class=\"ground\"/>\n{}</svg>\n",
       place == ChartPlace::file ? " xmlns=\"http://www.w3.org/2000/svg\"" : "", kChartWidth, height,
       kChartWidth, height, kChartStyle, content);
-}
-
-std::string overdraw_chart(const OverdrawReport& report) {
-  return overdraw_chart_for(report, ChartPlace::file);
 }
 
 }  // namespace pellucid

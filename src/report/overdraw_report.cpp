@@ -63,7 +63,7 @@ std::string to_json(const OverdrawReport& report) {
       {"iterations", report.iterations},
       {"clips", std::move(clips)},
       {"key_frames", report.frames.size()},
-      {"measured", {{"viewpoints", report.measured_viewpoints}, {"pictures", report.measured_pictures}}}};
+      {"measured", {{"viewpoints", report.measured_viewpoints}, {"pictures", report.measured_images}}}};
   if (!report.rows.empty()) {
     const OverdrawRow& own = report.rows.front();
     json["buffer_count"] = own.buffers;
@@ -81,7 +81,7 @@ std::string to_json(const OverdrawReport& report) {
                      {"patches", report.seconds.patches}, {"raster", report.seconds.raster},
                      {"cluster", report.seconds.cluster}, {"assign", report.seconds.assign},
                      {"order", report.seconds.total},     {"measure", report.seconds_measure},
-                     {"write", report.seconds_write},     {"rivals", report.seconds_rivals}};
+                     {"write", report.seconds_write},     {"rivals", report.seconds_baselines}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["notes"] = report.notes;
   return dump(json);
@@ -115,7 +115,7 @@ std::string to_text(const OverdrawReport& report) {
   text +=
       fmt::format("{} in all (orders {}, what they are compared with {}, measured in {}), peak memory {}\n",
                   format_seconds(report.seconds_total), format_seconds(report.seconds.total),
-                  format_seconds(report.seconds_rivals), format_seconds(report.seconds_measure),
+                  format_seconds(report.seconds_baselines), format_seconds(report.seconds_measure),
                   format_bytes(report.peak_rss_bytes));
   return text;
 }

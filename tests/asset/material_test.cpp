@@ -111,11 +111,11 @@ TEST_F(MaterialFiles, EmbeddedPng) {
   HandMade file = textured();
   embed(file, png_of(3, 2));
   const Materials materials = read(file);
-  ASSERT_EQ(materials.pictures.size(), 1U);
-  EXPECT_EQ(materials.pictures[0].width, 3U);
-  EXPECT_EQ(materials.pictures[0].height, 2U);
-  EXPECT_EQ(materials.pictures[0].rgba[4], 3);
-  EXPECT_EQ(materials.pictures[0].rgba[7], 255);
+  ASSERT_EQ(materials.images.size(), 1U);
+  EXPECT_EQ(materials.images[0].width, 3U);
+  EXPECT_EQ(materials.images[0].height, 2U);
+  EXPECT_EQ(materials.images[0].rgba[4], 3);
+  EXPECT_EQ(materials.images[0].rgba[7], 255);
   const PrimitiveLook& look = materials.primitives.at(0);
   EXPECT_TRUE(look.known);
   EXPECT_EQ(look.alpha_mode, AlphaMode::mask);
@@ -143,11 +143,11 @@ TEST_F(MaterialFiles, JpegInADataUri) {
   }
   file.json["images"] = Json::array({{{"uri", uri}}});
   const Materials materials = read(file);
-  ASSERT_EQ(materials.pictures.size(), 1U);
-  EXPECT_EQ(materials.pictures[0].width, 16U);
-  EXPECT_NEAR(materials.pictures[0].rgba[0], 200, 3);
-  EXPECT_NEAR(materials.pictures[0].rgba[1], 40, 3);
-  EXPECT_NEAR(materials.pictures[0].rgba[2], 90, 3);
+  ASSERT_EQ(materials.images.size(), 1U);
+  EXPECT_EQ(materials.images[0].width, 16U);
+  EXPECT_NEAR(materials.images[0].rgba[0], 200, 3);
+  EXPECT_NEAR(materials.images[0].rgba[1], 40, 3);
+  EXPECT_NEAR(materials.images[0].rgba[2], 90, 3);
 }
 
 #else
@@ -156,7 +156,7 @@ TEST_F(MaterialFiles, JpegIsLeftOutWithANoteInABuildWithoutIt) {
   HandMade file = textured();
   embed(file, Bytes{std::byte{0xFF}, std::byte{0xD8}, std::byte{0xFF}, std::byte{0xE0}});
   const Materials materials = read(file);
-  EXPECT_TRUE(materials.pictures.empty());
+  EXPECT_TRUE(materials.images.empty());
   ASSERT_EQ(materials.notes.size(), 1U);
   EXPECT_THAT(materials.notes[0], HasSubstr("PELLUCID_JPEG"));
 }
@@ -167,10 +167,10 @@ TEST_F(MaterialFiles, FileBesideTheModel) {
   HandMade file = textured();
   write_file_atomically(folder_ / "a b.png", png_of(4, 4));
   file.json["images"] = Json::array({{{"uri", "a%20b.png"}}});
-  EXPECT_EQ(read(file).pictures.size(), 1U);
+  EXPECT_EQ(read(file).images.size(), 1U);
   file.json["images"][0]["uri"] = "missing.png";
   const Materials without = read(file);
-  EXPECT_TRUE(without.pictures.empty());
+  EXPECT_TRUE(without.images.empty());
   EXPECT_FALSE(without.primitives.at(0).texture);
   ASSERT_EQ(without.notes.size(), 1U);
   EXPECT_THAT(without.notes[0], HasSubstr("missing.png"));
@@ -230,7 +230,7 @@ TEST_F(MaterialFiles, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
   HandMade file = textured();
   embed(file, png_of(40, 40));
   EXPECT_THAT(complaint(file, {.max_texels = 1599}), HasSubstr("40 x 40 texels"));
-  EXPECT_EQ(read(file, {.max_texels = 1600}).pictures.size(), 1U);
+  EXPECT_EQ(read(file, {.max_texels = 1600}).images.size(), 1U);
 #ifdef PELLUCID_WITH_JPEG
   // The sides stand at bytes 7 to 10 of a frame header.
   Bytes jpeg = jpeg_of(40, {1, 2, 3});

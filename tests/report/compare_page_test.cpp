@@ -9,7 +9,6 @@
 #include "comparison.h"
 #include "markup.h"
 #include "pellucid/material.h"
-#include "report/label_places.h"
 #include "report/technique_charts.h"
 
 namespace pellucid {
@@ -150,9 +149,9 @@ std::vector<std::uint8_t> png_of(const std::array<std::uint8_t, 3>& color, std::
 CompareReport report_of_colors() {
   CompareReport report = sample_comparison();
   ComparedScene& scene = report.scenes[0];
-  scene.picture.png = png_of(kExactColor, scene.width, scene.height);
-  scene.techniques[0].pictures = {{"f2b", png_of(kOtherColor, scene.width, scene.height)},
-                                  {"difference", png_of({140, 10, 40}, scene.width, scene.height)}};
+  scene.image.png = png_of(kExactColor, scene.width, scene.height);
+  scene.techniques[0].images = {{"f2b", png_of(kOtherColor, scene.width, scene.height)},
+                                {"difference", png_of({140, 10, 40}, scene.width, scene.height)}};
   scene.maps = {{"fragments", "fragments of a pixel", "fragments", 8,
                  png_of({68, 16, 24}, scene.width, scene.height)}};  // the darkest of the scale
   return report;
@@ -316,7 +315,7 @@ TEST_F(ComparePageInBrowser, LaysTwoPicturesOverEachOther) {
 TEST_F(ComparePageInBrowser, ShowsThemOnTheScreen) {
   const std::filesystem::path file = folder_ / "screen.png";
   ASSERT_TRUE(open("--screenshot='" + file.string() + "'", compare_html(report_of_colors())));
-  const Picture screen = read_picture(file.string());
+  const RgbaImage screen = read_image(file.string());
   ASSERT_GT(std::size_t{screen.width} * screen.height, 0U);
   struct Seen {
     std::size_t pixels = 0;

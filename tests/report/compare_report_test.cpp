@@ -8,9 +8,8 @@
 
 #include "comparison.h"
 #include "markup.h"
-#include "pellucid/budget_maps.h"
-#include "report/curve_chart.h"
-#include "report/html_charts.h"
+#include "report/charts.h"
+#include "report/measure_charts.h"
 #include "schema.h"
 
 namespace pellucid {
@@ -103,7 +102,7 @@ TEST(FragmentMaps, CountFragmentsAndCoplanarOnes) {
   result.height = 1;
   result.fragments.offsets = {0, 3, 3};
   result.fragments.fragments = {{0.5F, 0}, {0.25F, 2}, {0.5F, 4}};
-  const std::vector<NamedMap> maps = fragment_pictures(result, 1);
+  const std::vector<NamedMap> maps = fragment_heat_maps(result, 1);
   ASSERT_EQ(maps.size(), 2U);
   EXPECT_EQ(maps[0].most, 3);
   EXPECT_EQ(maps[1].most, 2);
@@ -111,7 +110,7 @@ TEST(FragmentMaps, CountFragmentsAndCoplanarOnes) {
     EXPECT_LT(map.image.rgb[0], 100);
     EXPECT_EQ(map.image.rgb[3], 255);
   }
-  EXPECT_TRUE(fragment_pictures(RenderResult{}, 1).empty());
+  EXPECT_TRUE(fragment_heat_maps(RenderResult{}, 1).empty());
 }
 
 TEST(BudgetMaps, AreDarkerForMore) {
@@ -119,7 +118,7 @@ TEST(BudgetMaps, AreDarkerForMore) {
   result.width = 3;
   result.height = 1;
   result.maps = {{0, 0.5F, 2}, {0, 1, 7}, {0, 0, 0}};
-  const std::vector<NamedMap> maps = budget_pictures(result, 1);
+  const std::vector<NamedMap> maps = budget_heat_maps(result, 1);
   ASSERT_EQ(maps.size(), 3U);
   EXPECT_EQ(maps[1].name, "k");
   EXPECT_NE(maps[1].caption.find("darkest 7"), std::string::npos) << maps[1].caption;
@@ -128,7 +127,7 @@ TEST(BudgetMaps, AreDarkerForMore) {
   EXPECT_LT(maps[0].image.rgb[3], 255);
   EXPECT_LT(maps[0].image.rgb[6], maps[0].image.rgb[3]);
   EXPECT_EQ(maps[2].image.rgb[6], 255);
-  EXPECT_TRUE(budget_pictures(RenderResult{}, 1).empty());
+  EXPECT_TRUE(budget_heat_maps(RenderResult{}, 1).empty());
 }
 
 // ----------------------------------------------------------------------------------------------------- text
@@ -196,7 +195,7 @@ TEST(CompareReport, JsonNamesTheFilesOfPictures) {
   CompareReport report = sample_comparison("a b");
   EXPECT_TRUE(json::parse(to_json(report))["scenes"][0]["picture"].is_null());
   report.scenes.push_back(report.scenes.front());
-  const json written = json::parse(to_json(report, ImageFiles::beside));
+  const json written = json::parse(to_json(report, ImageLinks::beside));
   EXPECT_EQ(first_violation(written, schema_of_compare()), "");
   std::vector<std::string> files;
   for (const ImageFile& file : image_files(report)) files.push_back(file.path);

@@ -41,12 +41,12 @@ inline CompareReport sample_comparison(const std::string& name = "stack") {
   scene.objects = 1;
   scene.reference = "sb";
   scene.exact = stats_of(1000, 5);
-  scene.picture = {"exact, by sb", {1, 2, 3}};
+  scene.image = {"exact, by sb", {1, 2, 3}};
   scene.pixels_by_depth = {600, 100, 60, 40};
   scene.techniques = {technique("f2b", false, 700, 1), technique("f2b-2p", true, 1000, 8),
                       technique("ll", true, 1000, 4), technique("sb", true, 900, 2)};
   scene.techniques[0].error = ImageError{23.5, 0.25, 31};
-  scene.techniques[0].pictures = {{name, {4, 5}}, {"difference", {6, 7}}};
+  scene.techniques[0].images = {{name, {4, 5}}, {"difference", {6, 7}}};
   ComparedTechnique& failed = scene.techniques.emplace_back();
   failed.name = "kb";
   failed.failure = name + " needs 64-bit atomics";

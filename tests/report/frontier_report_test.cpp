@@ -1,6 +1,4 @@
 // Error against number of buffers as text, JSON after its schema, and SVG.
-#include "pellucid/frontier_report.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +64,7 @@ TEST(FrontierReport, JsonFollowsItsSchema) {
   for (const auto& [key, value] : written["primitives"][0]["points"][0].items())
     EXPECT_TRUE(point["properties"].contains(key)) << key;
 
-  report.alpha = report.picture_alpha = 0.3;
+  report.alpha = report.image_alpha = 0.3;
   report.min_psnr = 55;
   report.primitives[0].frontier.knee = 0;
   written = json::parse(to_json(report));

@@ -11,7 +11,7 @@ namespace pellucid {
 namespace {
 
 std::string page_of(const MeasureReport& measured, const OrderSet& orders, const std::string& title) {
-  const std::vector<PictureRow> rows{{"row " + title, {{"caption " + title, {1, 2, 3, 4}}}}};
+  const std::vector<ImageRow> rows{{"row " + title, {{"caption " + title, {1, 2, 3, 4}}}}};
   HtmlReportInput input;
   input.title = title;
   input.measured = &measured;

@@ -1,5 +1,5 @@
 // Inline SVG for the report page: see html_charts.h.
-#include "report/html_charts.h"
+#include "report/measure_charts.h"
 
 #include <fmt/format.h>
 

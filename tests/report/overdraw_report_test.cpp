@@ -1,5 +1,5 @@
 // Heat maps, the chart and the page of an overdraw report.
-#include "report/overdraw_pictures.h"
+#include "pellucid/overdraw_report.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 
 #include "markup.h"
 #include "pellucid/report.h"
+#include "report/heat_maps.h"
 
 namespace pellucid {
 namespace {
@@ -74,7 +75,7 @@ std::vector<std::string> curve_points(const std::string& svg, const std::string&
 // ------------------------------------------------------------------------------------------------ heat maps
 
 TEST(HeatMapColors, AreTheseAndGrowDarker) {
-  const Image image = heat_picture(map_of(2, {0, 1, 2, 5}));
+  const Image image = heat_image(map_of(2, {0, 1, 2, 5}));
   EXPECT_EQ(pixel(image, 0, 0), (Rgb{255, 255, 255}));
   EXPECT_EQ(pixel(image, 1, 0), (Rgb{218, 228, 239}));
   EXPECT_EQ(pixel(image, 0, 1), (Rgb{226, 170, 87}));
@@ -117,7 +118,7 @@ TEST(ContactSheet, OfNothingIsEmptyAndWrongSizesAreRefused) {
   EXPECT_TRUE(contact_sheet({}).rgb.empty());
   EXPECT_TRUE(contact_sheet({{}, {}}).rgb.empty());
   EXPECT_THROW(contact_sheet({{map_of(2, {1, 1, 1})}}), Error);
-  EXPECT_THROW(heat_picture(map_of(1, {1, 1})), Error);
+  EXPECT_THROW(heat_image(map_of(1, {1, 1})), Error);
 }
 
 // ---------------------------------------------------------------------------------------------------- chart

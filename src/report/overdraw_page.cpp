@@ -5,9 +5,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pellucid/overdraw_report.h"
 #include "pellucid/report.h"
+#include "report/heat_maps.h"
 #include "report/html_page.h"
-#include "report/overdraw_pictures.h"
 
 namespace pellucid {
 namespace {
@@ -57,7 +58,7 @@ std::string headline(const OverdrawReport& report) {
   if (report.measured_viewpoints > 0) {
     text += fmt::format(" Measured from {} that the orders were not made from, in {}.",
                         plural(report.measured_viewpoints, "random viewpoint"),
-                        plural(report.measured_pictures, "picture"));
+                        plural(report.measured_images, "picture"));
   }
   return text + "</p>";
 }
@@ -143,13 +144,13 @@ std::string methods_section(const OverdrawReport& report) {
 std::string chart_section(const OverdrawReport& report) {
   if (report.rows.empty()) return {};
   const std::string words =
-      charted_frames(report) > 1
+      report.charted_frames() > 1
           ? "<h2>Over the animation</h2><p class=\"note\">Every point is the mean of a key frame over all "
             "viewpoints; the number beside a name is the mean of all. Where a curve is broken, nothing was "
             "in "
             "view.</p>"
           : "<h2>In one picture</h2><p class=\"note\">Bars start at 1: their length is the excess.</p>";
-  return words + "<div class=\"scroll\">" + overdraw_chart_for(report, ChartPlace::page) + "</div>";
+  return words + "<div class=\"scroll\">" + overdraw_chart(report, ChartPlace::page) + "</div>";
 }
 
 std::string heat_legend() {
@@ -181,7 +182,7 @@ std::string sheet_section(const std::vector<std::vector<HeatMap>>& sheet) {
   for (const std::vector<HeatMap>& row : sheet) {
     for (std::size_t i = 0; i < columns; ++i) {
       const bool is_there = i < row.size() && row[i].size > 0;
-      text += is_there ? figure(row[i].label, encode_png(heat_picture(row[i]))) : "<div></div>";
+      text += is_there ? figure(row[i].label, encode_png(heat_image(row[i]))) : "<div></div>";
       text += "\n";
     }
   }
@@ -211,7 +212,7 @@ std::string settings_section(const OverdrawReport& report) {
                            plural(report.viewpoints, "viewpoint"), report.size,
                            format_count(report.training_views), plural(report.iterations, "iteration")));
   add("measured",
-      plural(report.measured_viewpoints, "viewpoint") + ", " + plural(report.measured_pictures, "picture"));
+      plural(report.measured_viewpoints, "viewpoint") + ", " + plural(report.measured_images, "picture"));
   const OverdrawSeconds& seconds = report.seconds;
   add("orders made in",
       fmt::format("{}: patches {}, pictures {}, clusters {}, assignment {}", format_seconds(seconds.total),
@@ -219,7 +220,7 @@ std::string settings_section(const OverdrawReport& report) {
                   format_seconds(seconds.cluster), format_seconds(seconds.assign)));
   add("time in all",
       fmt::format("{}: read {}, rivals {}, measure {}, write {}", format_seconds(report.seconds_total),
-                  format_seconds(report.seconds_read), format_seconds(report.seconds_rivals),
+                  format_seconds(report.seconds_read), format_seconds(report.seconds_baselines),
                   format_seconds(report.seconds_measure), format_seconds(report.seconds_write)));
   add("memory", report.peak_rss_bytes > 0 ? format_bytes(report.peak_rss_bytes) + " at most" : "");
   add("index data",

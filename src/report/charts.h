@@ -1,7 +1,8 @@
-// What charts with named curves share: text, lines, the colours of curves, and places for their names.
+// charts.h
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,23 @@ std::vector<double> log_marks(double least, double most);
 // Heights for names beside the ends of their curves, in the same order, from `top` to `bottom` but not over
 // each other.
 std::vector<double> spread_labels(const std::vector<double>& ends, double top, double bottom);
+
+// -------------------------------------------------------------------------------------------------- curves
+
+struct CurvePoint {
+  double x = 0, y = 0;
+};
+struct Curve {
+  std::string name;
+  std::vector<CurvePoint> points;  // by rising x; broken where y is not finite
+};
+struct CurveChart {
+  std::string title, x_title;
+  std::vector<double> x_values;  // above 0: they get marks
+  std::function<std::string(double)> x_text, y_text;
+  bool is_share = false;  // y runs from 0 to 1; else its axis is logarithmic
+  std::vector<Curve> curves;
+};
+std::string curve_chart_svg(const CurveChart& chart);
 
 }  // namespace pellucid

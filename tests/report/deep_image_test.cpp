@@ -1,5 +1,5 @@
 // Deep pictures: what OpenEXR reads of a file is what was drawn, and composites to the same picture.
-#include "pellucid/deep_picture.h"
+#include "pellucid/deep_image.h"
 
 #include <OpenEXR/ImfDeepFrameBuffer.h>
 #include <OpenEXR/ImfDeepScanLineInputFile.h>
@@ -39,12 +39,12 @@ class DeepPictures : public ::testing::Test {
   void SetUp() override {
     camera_ = look_at_sphere({{0, 0, 0}, 1.5}, {normalized(Vec3d{0, 0, 1}), 3}, 24, 16);
     drawn_ = draw_reference(scene_, camera_, {.keep_fragments = true});
-    deep_ = make_deep_picture(drawn_, scene_, camera_);
+    deep_ = make_deep_image(drawn_, scene_, camera_);
   }
   RenderScene scene_ = two_sheets();
   Camera camera_;
   RenderResult drawn_;
-  DeepPicture deep_;
+  DeepImage deep_;
 };
 
 TEST_F(DeepPictures, TellAllOfAPixel) {
@@ -63,14 +63,14 @@ TEST_F(DeepPictures, TellAllOfAPixel) {
 
 TEST_F(DeepPictures, FragmentsWithoutColoursAreRefused) {
   drawn_.fragments.colors.clear();
-  EXPECT_THROW(make_deep_picture(drawn_, scene_, camera_), Error);
+  EXPECT_THROW(make_deep_image(drawn_, scene_, camera_), Error);
 }
 
 // All channels of a file, fragment by fragment.
-DeepPicture read_deep_exr(const std::string& path) {
+DeepImage read_deep_exr(const std::string& path) {
   Imf::DeepScanLineInputFile file(path.c_str());
   const Imath::Box2i window = file.header().dataWindow();
-  DeepPicture picture{
+  DeepImage picture{
       static_cast<std::uint32_t>(window.max.x + 1), static_cast<std::uint32_t>(window.max.y + 1), {0}, {}};
   const std::size_t pixels = std::size_t{picture.width} * picture.height;
   std::vector<std::uint32_t> counts(pixels);
@@ -104,7 +104,7 @@ DeepPicture read_deep_exr(const std::string& path) {
 TEST_F(DeepPictures, ReadBackFromTheFile) {
   const std::filesystem::path path = std::filesystem::temp_directory_path() / "pellucid_deep_test.exr";
   write_deep_exr(deep_, path.string());
-  const DeepPicture read = read_deep_exr(path.string());
+  const DeepImage read = read_deep_exr(path.string());
   std::filesystem::remove(path);
   ASSERT_EQ(read.offsets, deep_.offsets);
   for (std::size_t i = 0; i < deep_.fragments.size(); ++i) {

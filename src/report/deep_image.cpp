@@ -1,5 +1,5 @@
-// All fragments of every pixel: see pellucid/deep_picture.h.
-#include "pellucid/deep_picture.h"
+// All fragments of every pixel: see pellucid/deep_image.h.
+#include "pellucid/deep_image.h"
 
 #include <algorithm>
 #include <cstring>
@@ -26,17 +26,17 @@ float distance_of(float depth, const Camera& camera) {
 
 }  // namespace
 
-std::span<const DeepFragment> DeepPicture::at(std::uint32_t x, std::uint32_t y) const {
+std::span<const DeepFragment> DeepImage::at(std::uint32_t x, std::uint32_t y) const {
   const std::size_t p = std::size_t{y} * width + x;
   return std::span(fragments).subspan(offsets[p], offsets[p + 1] - offsets[p]);
 }
 
-DeepPicture make_deep_picture(const RenderResult& result, const RenderScene& scene, const Camera& camera) {
+DeepImage make_deep_image(const RenderResult& result, const RenderScene& scene, const Camera& camera) {
   const CapturedFragments& captured = result.fragments;
   const std::size_t pixels = std::size_t{result.width} * result.height;
   if (captured.offsets.size() != pixels + 1 || captured.colors.size() != captured.fragments.size())
     throw Error(ErrorKind::bad_argument, "a deep picture needs fragments with colours, one sample a pixel");
-  DeepPicture picture{result.width, result.height, captured.offsets, {}};
+  DeepImage picture{result.width, result.height, captured.offsets, {}};
   std::vector<std::size_t> places;
   for (std::size_t p = 0; p < pixels; ++p) {
     places.resize(captured.offsets[p + 1] - captured.offsets[p]);
@@ -87,7 +87,7 @@ struct Channel {
   std::vector<Value> values;
   std::vector<char*> rows{};  // of every pixel, where its first value lies
 
-  void add_to(Imf::Header& header, Imf::DeepFrameBuffer& buffer, const DeepPicture& picture) {
+  void add_to(Imf::Header& header, Imf::DeepFrameBuffer& buffer, const DeepImage& picture) {
     header.channels().insert(name, Imf::Channel(type));
     rows.reserve(picture.offsets.size());
     for (std::size_t p = 0; p + 1 < picture.offsets.size(); ++p) {
@@ -102,7 +102,7 @@ struct Channel {
 };
 
 template <class Value, class Of>
-std::vector<Value> each(const DeepPicture& picture, const Of& of) {
+std::vector<Value> each(const DeepImage& picture, const Of& of) {
   std::vector<Value> values;
   values.reserve(picture.fragments.size());
   for (const DeepFragment& f : picture.fragments) values.push_back(of(f));
@@ -115,7 +115,7 @@ bool can_write_deep_exr() {
   return true;
 }
 
-void write_deep_exr(const DeepPicture& picture, const std::string& path) {
+void write_deep_exr(const DeepImage& picture, const std::string& path) {
   Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
   header.setType(Imf::DEEPSCANLINE);
   header.compression() = Imf::ZIPS_COMPRESSION;
@@ -159,7 +159,7 @@ bool can_write_deep_exr() {
   return false;
 }
 
-void write_deep_exr(const DeepPicture& /*picture*/, const std::string& path) {
+void write_deep_exr(const DeepImage& /*picture*/, const std::string& path) {
   throw Error(ErrorKind::bad_argument,
               path + ": this build of pellucid cannot write OpenEXR (PELLUCID_OPENEXR is off)");
 }

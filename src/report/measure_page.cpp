@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "pellucid/report.h"
-#include "report/html_charts.h"
 #include "report/html_page.h"
+#include "report/measure_charts.h"
 
 namespace pellucid {
 namespace {
@@ -60,15 +60,15 @@ std::string headline(const HtmlReportInput& input, const PrimitiveMeasureReport&
   return text + "</div>";
 }
 
-std::string pictures(std::span<const PictureRow> rows) {
+std::string pictures(std::span<const ImageRow> rows) {
   if (rows.empty()) return {};
   std::string text =
       "<h2>What it looks like</h2><p class=\"note\">From left to right: the truth, what the chosen index "
       "buffer draws, "
       "what a viewer draws without it, and in red every pixel that the buffer gets wrong.</p>";
-  for (const PictureRow& row : rows) {
+  for (const ImageRow& row : rows) {
     text += fmt::format("<div class=\"row\"><h3>{}</h3><div class=\"pictures\">", escape_html(row.title));
-    for (const ReportPicture& picture : row.pictures) text += figure(picture.caption, picture.png);
+    for (const ReportImage& picture : row.images) text += figure(picture.caption, picture.png);
     text += "</div></div>";
   }
   return text;

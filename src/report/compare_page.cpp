@@ -1,4 +1,5 @@
-// compare_page.cpp
+// The page of a comparison: all scenes as a table, then scene by scene, then the sweeps.
+// In: a comparison (pellucid/compare_report.h). Out: one self-contained HTML page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,12 +15,12 @@ namespace {
 
 // ---------------------------------------------------------------------------------------------- all scenes
 
-// Times the fastest exact technique from which on a cell has all its colour.
+// Ratio to the fastest exact technique at which a cell has its full colour.
 constexpr double kSlow = 16;
-// PSNR, dB, from where on it has none, and where it has all of it.
+// PSNR in dB at which a cell has no colour, and at which it has its full colour.
 constexpr double kGoodPsnr = 50;
 constexpr double kBadPsnr = 10;
-// Cells' colours lie over the page's ground, light or dark, and under its ink.
+// Colours of cells are translucent, as the background of the page may be light or dark.
 constexpr double kMostOpacity = 0.55;
 
 struct CellColor {
@@ -59,7 +60,7 @@ std::string psnr_cell(const ComparedTechnique& technique, const ComparedScene&) 
   return cell(format_fixed(technique.error->psnr, 1), kSlower, share, title);
 }
 
-// More than the exact technique that takes the fewest, by powers of two.
+// The colour is by the logarithm of the ratio to the exact technique that takes the fewest bytes.
 std::string bytes_cell(const ComparedTechnique& technique, const ComparedScene& scene) {
   double least = INFINITY;
   for (const ComparedTechnique& other : scene.techniques) {
@@ -80,7 +81,7 @@ struct OverviewMeasure {
 constexpr OverviewMeasure kOverviewMeasures[] = {
     {"time", "Time, as a multiple of the fastest technique that captured everything; the mean is geometric.",
      time_cell},
-    {"error", "PSNR against the exact picture, dB; =: no pixel differs by more than 1/255.", psnr_cell},
+    {"error", "PSNR against the exact image, dB; =: no pixel differs by more than 1/255.", psnr_cell},
     {"memory", "Bytes a pixel; coloured beside the exact technique that takes the fewest.", bytes_cell}};
 
 // ------------------------------------------------------------------------------------------------- the table
@@ -115,7 +116,7 @@ std::string matrix_row(const CompareReport& report, const TechniqueSummary& summ
 std::string matrix(const CompareReport& report, const OverviewMeasure& measure) {
   std::string text = fmt::format(
       "<p class=\"note\">{}</p><div class=\"scroll\"><table><thead><tr><th>technique</th><th>exact</th>"
-      "<th>mean<br/>ratio</th><th>worst<br/>PSNR</th><th>equal<br/>pictures</th><th>failed</th>",
+      "<th>mean<br/>ratio</th><th>worst<br/>PSNR</th><th>equal<br/>images</th><th>failed</th>",
       measure.words);
   for (std::size_t s = 0; s < report.scenes.size(); ++s) {
     text += fmt::format("<th class=\"cell\"><a href=\"#{}\">{}</a></th>", scene_anchor(s),
@@ -141,6 +142,7 @@ std::string contents(const CompareReport& report) {
   return text + "</ul>";
 }
 
+// Returns links to all sections and, for two or more scenes, a table of all techniques over all scenes.
 std::string compare_overview(const CompareReport& report) {
   std::string text = contents(report);
   if (report.scenes.size() < 2) return text;
@@ -229,12 +231,13 @@ std::string table(const ComparedScene& scene) {
   return text +
          "</tbody></table></div><p class=\"note\">Exact: promises to capture every fragment, coplanar ones "
          "too. Ratio: to the fastest exact technique. R_h: captured fragments of all. PSNR over covered "
-         "pixels, and the largest error of a channel (0 to 1), against the exact picture. SSIM: mean "
+         "pixels, and the largest error of a channel (0 to 1), against the exact image. SSIM: mean "
          "structural "
          "similarity of luma; HyAB: mean colour difference in CIELAB after a blur of one pixel. k: slots for "
-         "fragments of a covered pixel, least and most, of techniques with a budget. Flicker: how much more "
+         "fragments of a covered pixel, least and most, of techniques with a memory budget. Flicker: how "
+         "much more "
          "the "
-         "picture changes than the exact one from frame to frame, in 1/255.</p>";
+         "image changes than the exact one from frame to frame, in 1/255.</p>";
 }
 
 std::string fragments_histogram(const ComparedScene& scene) {
@@ -258,12 +261,12 @@ std::string settings_section(const CompareReport& report) {
     if (!value.empty()) text += fmt::format("<dt>{}</dt><dd>{}</dd>\n", escape_html(key), escape_html(value));
   };
   for (const ComparedScene& scene : report.scenes) {
-    add("scene", fmt::format("{}: {}, {}, {}x{}, camera {}; exact picture by {}", scene.input,
+    add("scene", fmt::format("{}: {}, {}, {}x{}, camera {}; exact image by {}", scene.input,
                              plural(scene.triangles, "triangle"), plural(scene.objects, "object"),
                              scene.width, scene.height, scene.camera, scene.reference));
   }
   add("drawn", fmt::format("{}, surfaces {}, k = {}", report.effect, report.surfaces, report.k));
-  add("budget", report.memory > 0 ? format_bytes(report.memory) : "");
+  add("memory budget", report.memory > 0 ? format_bytes(report.memory) : "");
   add("device", fmt::format("{} ({})", report.device.name, report.device.driver));
   add("time in all", format_seconds(report.seconds_total));
   add("memory", report.peak_rss_bytes > 0 ? format_bytes(report.peak_rss_bytes) + " at most" : "");
@@ -291,7 +294,7 @@ std::string compare_html(const CompareReport& report) {
   for (std::size_t s = 0; s < report.scenes.size(); ++s) content += scene_section(report.scenes[s], s);
   for (std::size_t s = 0; s < report.sweeps.size(); ++s) content += sweep_section(report.sweeps[s], s);
   content += settings_section(report) + "\n";
-  // Each on its own: what fails in one leaves the other.
+  // Each script is an element of its own, so that a failure of one does not stop the other.
   for (const char* script : {kCompareViewer, kCompareTables})
     content += fmt::format("<script>\n{}</script>\n", script);
   return html_page(title_of(report) + ": capture techniques", content);

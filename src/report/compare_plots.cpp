@@ -1,4 +1,5 @@
-// compare_plots.cpp
+// The plots of a comparison: time, memory and error of the techniques of a scene, and charts of sweeps.
+// In: a compared scene or sweep (pellucid/compare_report.h). Out: HTML with inline SVG.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,7 +34,7 @@ std::string error_text(const ComparedTechnique& technique) {
   return technique.equals_exact() ? "equal" : format_fixed(technique.error->psnr, 1) + " dB";
 }
 
-// "0.5", "12.3", "2,000"
+// Returns "0.5", "12.3" or "2,000".
 std::string amount(double value) {
   return value < 1000 ? fmt::format("{:.3g}", value)
                       : format_count(static_cast<std::uint64_t>(std::llround(value)));
@@ -41,7 +42,8 @@ std::string amount(double value) {
 
 using Cost = std::function<double(const ComparedTechnique&)>;
 
-// Techniques whose cost is nothing have no place on a logarithmic axis: blending takes no memory.
+// Returns the points of a chart. Techniques without cost have no place on a logarithmic axis: blending takes
+// no memory.
 CostChart cost_chart(const std::vector<const ComparedTechnique*>& techniques, const Cost& cost) {
   CostChart chart;
   for (const ComparedTechnique* technique : techniques) {
@@ -119,7 +121,7 @@ struct SweepWords {
 SweepWords words_of(SweepKind kind) {
   switch (kind) {
     case SweepKind::resolution:
-      return {"Over the size of the picture", "As figure 7 of the paper, and memory.", {&kTime, &kMemory}};
+      return {"Over the size of the image", "As figure 7 of the paper, and memory.", {&kTime, &kMemory}};
     case SweepKind::coplanarity:
       return {"Over coplanarity",
               "The scene is drawn several times in one place, so that every fragment meets as many others at "
@@ -127,16 +129,19 @@ SweepWords words_of(SweepKind kind) {
               {&kTime, &kCaptured}};
     case SweepKind::depth:
       return {"Over depth complexity",
-              "The scene is drawn several times along the lines of sight: the same picture, so many times as "
-              "deep. As figure 9 of the paper, and memory.",
+              "The scene is drawn several times along the lines of sight: the image stays the same, and "
+              "every pixel has "
+              "as many times the fragments. As figure 9 of the paper, and memory.",
               {&kTime, &kMemory}};
     case SweepKind::memory:
       break;
   }
-  return {"Over the size of the pool",
-          "Techniques that store all fragments in a pool lose what finds no place in it; those with a budget "
-          "get the bytes that sb takes for that pool; the others do not mind. As figure 11 of the paper.",
-          {&kCaptured, &kMemory}};
+  return {
+      "Over the size of the pool",
+      "Techniques that store all fragments in a pool lose what finds no place in it; those with a memory "
+      "budget "
+      "get the bytes that sb takes for that pool; the others are not affected. As figure 11 of the paper.",
+      {&kCaptured, &kMemory}};
 }
 
 double x_of(const ComparedSweep& sweep, const SweepPoint& point) {
@@ -181,8 +186,9 @@ std::string technique_plots(const ComparedScene& scene) {
       [&](const ComparedTechnique& t) { return bytes_per_pixel(t, scene); },
       [](double v) { return amount(v) + " B"; });
   text +=
-      "<p class=\"note\">Upwards: PSNR of what differs from the exact picture; on the line above, what does "
-      "not by more than 1/255. Dotted: the best for its cost.</p>";
+      "<p class=\"note\">Upwards: PSNR of the techniques that differ from the exact image; on the line "
+      "above, "
+      "those that do not differ by more than 1/255. Dotted: the best for their cost.</p>";
   return text + scrolled(bar_chart_svg(bars_of(techniques, scene))) + "</div>";
 }
 

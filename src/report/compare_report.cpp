@@ -1,4 +1,5 @@
-// compare_report.cpp
+// Capture techniques side by side, as a table and JSON, and the paths of their images.
+// In: a comparison (pellucid/compare_report.h). Out: text and JSON (docs/json.md).
 #include "pellucid/compare_report.h"
 
 #include <fmt/format.h>
@@ -16,7 +17,7 @@ namespace {
 
 // --------------------------------------------------------------------------------------------- image files
 
-// What any file system and any shell takes.
+// Returns the name of a file in characters that every file system and shell accepts.
 std::string plain_name(const std::string& input) {
   std::string name = std::filesystem::path(input).stem().string();
   for (char& c : name) {
@@ -26,6 +27,8 @@ std::string plain_name(const std::string& input) {
   return name;
 }
 
+// Returns "images/stack-f2b-difference.png" for `what` = "f2b-difference". The path has the number of the
+// scene where there are several.
 std::string image_path(const CompareReport& report, std::size_t scene, const std::string& what) {
   const std::string name = plain_name(report.scenes[scene].input);
   return report.scenes.size() == 1 ? fmt::format("images/{}-{}.png", name, what)
@@ -34,7 +37,7 @@ std::string image_path(const CompareReport& report, std::size_t scene, const std
 
 // ------------------------------------------------------------------------------ techniques over all scenes
 
-// Sums of what has a mean.
+// A summary with the sums of its mean.
 struct Gathered {
   TechniqueSummary summary;
   double log_ratios = 0;
@@ -74,7 +77,7 @@ Json or_null(std::optional<double> value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-// Keys that a failed technique has, too, and nothing to say for.
+// Returns the keys that a technique which failed has as well, with null.
 Json json_of_stats(const CaptureStats& stats, double pixels) {
   return {{"milliseconds", stats.milliseconds},
           {"passes", stats.geometry_passes},
@@ -122,8 +125,8 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   return json;
 }
 
-// Of the files of image_files(). Techniques that differ nowhere have the exact picture.
-Json picture_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
+// Return the paths of a technique in image_files(). Techniques that differ nowhere have the exact image.
+Json image_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
   if (!technique.drawn() || report.scenes[number].image.png.empty()) return nullptr;
   return image_path(report, number, technique.images.empty() ? "exact" : technique.name);
 }
@@ -132,18 +135,18 @@ Json difference_of(const CompareReport& report, std::size_t number, const Compar
                                      : Json(image_path(report, number, technique.name + "-difference"));
 }
 
-// `number`: of the scene. Keys "picture" and "difference" are null where there are no such files.
-Json json_of(const CompareReport& report, std::size_t number, ImageLinks images) {
+// `number` is that of the scene. The keys "picture" and "difference" are null where there are no such files.
+Json json_of(const CompareReport& report, std::size_t number, ImageLinks links) {
   const ComparedScene& scene = report.scenes[number];
-  const bool has_files = images == ImageLinks::beside;
+  const bool has_files = links == ImageLinks::beside;
   Json techniques = Json::array();
   for (const ComparedTechnique& technique : scene.techniques) {
     Json& json = techniques.emplace_back(json_of(technique, scene));
     json["effect"] = report.effect;
-    json["picture"] = has_files ? picture_of(report, number, technique) : Json(nullptr);
+    json["picture"] = has_files ? image_of(report, number, technique) : Json(nullptr);
     json["difference"] = has_files ? difference_of(report, number, technique) : Json(nullptr);
   }
-  const bool has_picture = has_files && !scene.image.png.empty();
+  const bool has_image = has_files && !scene.image.png.empty();
   return {{"scene", scene.input},
           {"size", fmt::format("{}x{}", scene.width, scene.height)},
           {"width", scene.width},
@@ -161,7 +164,7 @@ Json json_of(const CompareReport& report, std::size_t number, ImageLinks images)
           {"c_p", scene.coplanar_share()},
           {"flicker_frames", scene.flicker_frames},
           {"pixels_by_depth", scene.pixels_by_depth},
-          {"picture", has_picture ? Json(image_path(report, number, "exact")) : Json(nullptr)},
+          {"picture", has_image ? Json(image_path(report, number, "exact")) : Json(nullptr)},
           {"techniques", std::move(techniques)},
           {"notes", scene.notes}};
 }
@@ -249,7 +252,7 @@ std::string text_of(const ComparedScene& scene) {
 }
 
 std::string text_of(const std::vector<TechniqueSummary>& summaries) {
-  TextTable table({"over all scenes", "exact", "mean ratio", "worst PSNR", "equal pictures", "failed"});
+  TextTable table({"over all scenes", "exact", "mean ratio", "worst PSNR", "equal images", "failed"});
   for (const TechniqueSummary& summary : summaries) {
     table.add_row({summary.name, summary.exact ? "yes" : "no",
                    format_fixed(summary.time_ratio.value_or(NAN), 2),
@@ -260,7 +263,7 @@ std::string text_of(const std::vector<TechniqueSummary>& summaries) {
   return table.to_string();
 }
 
-// Milliseconds of every technique and point; the page has the other measures.
+// Returns the milliseconds, or R_h, of every technique and point. The page has the other measures.
 std::string text_of(const ComparedSweep& sweep) {
   std::vector<std::string> header{fmt::format("{}, ms", named(sweep.kind).name)};
   for (const SweepPoint& point : sweep.points)
@@ -328,9 +331,9 @@ std::string to_text(const CompareReport& report) {
   return text;
 }
 
-std::string to_json(const CompareReport& report, ImageLinks images) {
+std::string to_json(const CompareReport& report, ImageLinks links) {
   Json scenes = Json::array();
-  for (std::size_t s = 0; s < report.scenes.size(); ++s) scenes.push_back(json_of(report, s, images));
+  for (std::size_t s = 0; s < report.scenes.size(); ++s) scenes.push_back(json_of(report, s, links));
   Json summary = Json::array();
   for (const TechniqueSummary& technique : summarize(report)) summary.push_back(json_of(technique));
   Json sweeps = Json::array();
@@ -340,7 +343,7 @@ std::string to_json(const CompareReport& report, ImageLinks images) {
                {"cpu_driver", report.device.cpu}, {"effect", report.effect},
                {"surfaces", report.surfaces},     {"k", report.k},
                {"frames", report.frames},         {"memory", report.memory}};
-  // Who compares one scene finds it at the top.
+  // The first scene is repeated at the top level, for readers of a single comparison.
   if (!report.scenes.empty()) {
     for (const char* key : {"scene", "size", "width", "height", "techniques"}) json[key] = scenes[0][key];
   }

@@ -1,13 +1,12 @@
-// Tables sort by the column whose head is clicked: rows without a number in it come last. Without this script
-// they stay as they are.
+// Sorts a table by the column whose head is clicked. Rows without a number in that column come last.
 (() => {
 'use strict';
 
-// "1,234", "12.3 KB", "3/5": the number that rows go by; text where there is none.
+// Returns the number of a cell such as "1,234", "12.3 KB" or "3/5", or its text where it has no number.
 const kUnits = {B: 1, KB: 1e3, MB: 1e6, GB: 1e9};
 const valueOf = (row, column) => {
   const cell = row.cells[column];
-  if (!cell || cell.colSpan > 1) return '';  // why there is nothing else
+  if (!cell || cell.colSpan > 1) return '';  // the reason of a failure, which spans the other columns
   const text = cell.textContent.trim();
   const number = parseFloat(text.replace(/,/g, ''));
   if (text === '=') return Infinity;  // no error at all
@@ -28,7 +27,7 @@ const sortBy = (table, head) => {
   const isNumber = ([value]) => typeof value === 'number';
   keyed.sort(([a], [b]) => compare(a, b));
   if (falling) keyed.reverse();
-  // Numbers before what is none, whichever way.
+  // Numbers come before text in both directions.
   body.append(...[...keyed.filter(isNumber), ...keyed.filter((one) => !isNumber(one))].map(([, row]) => row));
 };
 

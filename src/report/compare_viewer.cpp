@@ -1,5 +1,6 @@
-// Pictures of a scene over each other, and its heat maps: see compare_parts.h. compare_viewer.js finds a
-// menu's picture by its key, and the scale of a heat map in its figure.
+// The images of a scene over each other, and its heat maps. compare_viewer.js finds the image of a menu entry
+// by its key (data-picture), and the scale of a heat map in its figure. In: a compared scene
+// (pellucid/compare_report.h). Out: HTML.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,24 +15,24 @@ namespace pellucid {
 namespace {
 
 constexpr int kScaleSteps = 40;
-// Enough to see a step of 1/255.
+// The largest amplification makes a step of 1/255 visible.
 constexpr int kMostGain = 64;
 constexpr int kFirstGain = 4;
 
-// Techniques that drew the same picture share it.
-struct SharedPicture {
+// An image, and the techniques that drew it.
+struct SharedImage {
   const ReportImage* drawn = nullptr;
   const ReportImage* difference = nullptr;
   std::vector<const ComparedTechnique*> techniques;
 };
 
-std::vector<SharedPicture> shared_pictures(const ComparedScene& scene) {
-  std::vector<SharedPicture> all;
+std::vector<SharedImage> shared_images(const ComparedScene& scene) {
+  std::vector<SharedImage> all;
   for (const ComparedTechnique& technique : scene.techniques) {
     if (!technique.drawn() || technique.images.empty()) continue;
     const ReportImage& drawn = technique.images.front();
     auto same = std::find_if(all.begin(), all.end(),
-                             [&](const SharedPicture& other) { return other.drawn->png == drawn.png; });
+                             [&](const SharedImage& other) { return other.drawn->png == drawn.png; });
     if (same == all.end()) {
       all.push_back({&drawn, technique.images.size() > 1 ? &technique.images[1] : nullptr, {}});
       same = all.end() - 1;
@@ -50,7 +51,7 @@ std::string names_of(const std::vector<const ComparedTechnique*>& techniques) {
 
 // ---------------------------------------------------------------------------------------------- the viewer
 
-std::string picture_key(std::size_t number) {
+std::string image_key(std::size_t number) {
   return fmt::format("p{}", number);
 }
 std::string map_key(std::size_t number) {
@@ -66,12 +67,13 @@ std::string words_of(const ComparedTechnique& technique) {
   return technique.error ? fmt::format("{}, {} dB", time, format_fixed(technique.error->psnr, 1)) : time;
 }
 
-// Of a menu. The exact picture is chosen on the left, and what differs most on the right.
+// The entries of both menus. At first the exact image is chosen on the left, and the one that differs most on
+// the right.
 class Menu {
  public:
   explicit Menu(const ComparedScene& scene) : scene_(scene) {
-    groups_ = option(picture_key(0), "exact", "by " + scene.reference);
-    add_pictures();
+    groups_ = option(image_key(0), "exact", "by " + scene.reference);
+    add_images();
     add_maps();
   }
 
@@ -94,24 +96,24 @@ class Menu {
     return options.empty() ? "" : fmt::format("<optgroup label=\"{}\">{}</optgroup>", label, options);
   }
 
-  void add_pictures() {
+  void add_images() {
     std::string differing;
     std::string equal;
     double worst = INFINITY;
-    const std::vector<SharedPicture> pictures = shared_pictures(scene_);
-    for (std::size_t p = 0; p < pictures.size(); ++p) {
-      for (const ComparedTechnique* technique : pictures[p].techniques) {
-        differing += option(picture_key(p + 1), technique->name, words_of(*technique));
+    const std::vector<SharedImage> images = shared_images(scene_);
+    for (std::size_t p = 0; p < images.size(); ++p) {
+      for (const ComparedTechnique* technique : images[p].techniques) {
+        differing += option(image_key(p + 1), technique->name, words_of(*technique));
         if (technique->error && technique->error->psnr >= worst) continue;
         worst = technique->error ? technique->error->psnr : worst;
-        most_different_ = picture_key(p + 1);
+        most_different_ = image_key(p + 1);
       }
     }
     for (const ComparedTechnique& technique : scene_.techniques) {
       if (technique.drawn() && technique.images.empty())
-        equal += option(picture_key(0), technique.name, words_of(technique));
+        equal += option(image_key(0), technique.name, words_of(technique));
     }
-    groups_ += group("differ from the exact picture", differing) + group("equal to it", equal);
+    groups_ += group("differ from the exact image", differing) + group("equal to it", equal);
   }
 
   void add_maps() {
@@ -124,7 +126,7 @@ class Menu {
     for (const ComparedTechnique& technique : scene_.techniques)
       for (const ReportMap& map : technique.maps) add(technique.name + ": " + map.name, map);
     groups_ += group("heat maps", maps);
-    if (most_different_.empty()) most_different_ = number > 0 ? map_key(0) : picture_key(0);
+    if (most_different_.empty()) most_different_ = number > 0 ? map_key(0) : image_key(0);
   }
 
   const ComparedScene& scene_;
@@ -133,7 +135,7 @@ class Menu {
 };
 
 std::string mode_choice(const std::string& id) {
-  std::string text = "<fieldset class=\"modes\" aria-label=\"how both pictures are shown\">";
+  std::string text = "<fieldset class=\"modes\" aria-label=\"how both images are shown\">";
   for (const char* mode : {"swipe", "flip", "difference"}) {
     text += fmt::format("<label><input type=\"radio\" name=\"{0}-mode\" value=\"{1}\"{2}/>{1}</label>", id,
                         mode, mode == std::string("swipe") ? " checked=\"checked\"" : "");
@@ -150,11 +152,11 @@ std::string gain_choice() {
   return text + "</select></label>";
 }
 
-// Hidden until the script has drawn its pictures.
+// The viewer is hidden until the script has drawn its images.
 std::string scripted_viewer(const ComparedScene& scene, const std::string& id) {
   const Menu menu(scene);
   std::string text = "<div class=\"viewer\" hidden=\"hidden\"><div class=\"controls\">";
-  text += menu.html("left", picture_key(0)) +
+  text += menu.html("left", image_key(0)) +
           "<button type=\"button\" class=\"swap\" title=\"exchange both\">\u21c4</button>" +
           menu.html("right", menu.most_different());
   text += mode_choice(id) + gain_choice();
@@ -164,39 +166,37 @@ std::string scripted_viewer(const ComparedScene& scene, const std::string& id) {
       "<button type=\"button\" value=\"fit\">fit</button></span></div>";
   text += fmt::format(
       "<div class=\"stage\" tabindex=\"0\" style=\"aspect-ratio:{}/{}\" role=\"group\" aria-label=\"both "
-      "pictures\"><canvas></canvas><div class=\"divider\" role=\"slider\" tabindex=\"0\" "
-      "aria-label=\"where the right picture begins, percent\" aria-valuemin=\"0\" aria-valuemax=\"100\" "
+      "images\"><canvas></canvas><div class=\"divider\" role=\"slider\" tabindex=\"0\" "
+      "aria-label=\"where the right image begins, percent\" aria-valuemin=\"0\" aria-valuemax=\"100\" "
       "aria-valuenow=\"50\"></div><span class=\"tag left\"></span><span class=\"tag right\"></span></div>",
       scene.width, scene.height);
   return text +
          "<p class=\"readout\" role=\"status\"></p><div class=\"legends\"></div><p class=\"note\">Drag the "
          "divider, or move "
          "it "
-         "with the arrow keys. Flip: hold the picture, or the space bar, to see the right one in the place "
+         "with the arrow keys. Flip: hold the image, or the space bar, to see the right one in the place "
          "of "
          "the left one. Zoom with the buttons, a double click, two fingers, or the wheel after a click into "
-         "the picture; then drag to move both.</p></div>\n";
+         "the image; then drag to move both.</p></div>\n";
 }
 
 // ------------------------------------------------------------------------------------------ without a script
 
 std::string plain_viewer(const ComparedScene& scene, const std::string& id) {
   Choices choices(id, "views");
-  choices.add("exact", figure(scene.image.caption, scene.image.png, key_attribute(picture_key(0))));
-  for (const SharedPicture& picture : shared_pictures(scene)) {
-    const std::string names = names_of(picture.techniques);
-    std::string figures = figure(names, picture.drawn->png, key_attribute(picture_key(choices.size())));
-    if (picture.difference != nullptr)
-      figures += figure(picture.difference->caption, picture.difference->png);
+  choices.add("exact", figure(scene.image.caption, scene.image.png, key_attribute(image_key(0))));
+  for (const SharedImage& image : shared_images(scene)) {
+    const std::string names = names_of(image.techniques);
+    std::string figures = figure(names, image.drawn->png, key_attribute(image_key(choices.size())));
+    if (image.difference != nullptr) figures += figure(image.difference->caption, image.difference->png);
     choices.add(names, figures);
   }
   if (choices.size() < 2) return choices.html();
   std::string text = choices.html();
-  // Within what the script hides.
-  return text.insert(
-      text.rfind("</div>"),
-      "<p class=\"note last\">Beside every picture its difference from the exact one: white for "
-      "none, dark red for 64 steps of 255 or more.</p>");
+  // The note goes within the element that the script hides.
+  return text.insert(text.rfind("</div>"),
+                     "<p class=\"note last\">Beside every image its difference from the exact one: white for "
+                     "none, dark red for 64 steps of 255 or more.</p>");
 }
 
 std::string equal_names(const ComparedScene& scene) {
@@ -219,7 +219,7 @@ std::string ramp_text() {
   return text;
 }
 
-// 1, 2 or 5 times a power of ten, so that `most` has five steps at most.
+// Returns 1, 2 or 5 times a power of ten, so that there are at most five steps up to `most`.
 double mark_step(double most) {
   const double power = std::pow(10.0, std::floor(std::log10(most / 5)));
   for (const double factor : {1.0, 2.0, 5.0})
@@ -227,7 +227,7 @@ double mark_step(double most) {
   return 10 * power;
 }
 
-// Below the colours, each where its colour is. Counts have no parts.
+// Returns the numbers below the colours, each where its colour is. Counts have integer steps.
 std::string scale_numbers(double most) {
   if (!(most > 0)) return {};
   const bool is_count = most == std::floor(most);
@@ -236,13 +236,13 @@ std::string scale_numbers(double most) {
   const auto add = [&](double value) {
     numbers += fmt::format("<span style=\"left:{:.1f}%\">{:.4g}</span>", 100 * value / most, value);
   };
-  // The last but one leaves the last one room.
+  // The number before the last one must leave room for it.
   for (double value = step; value < most - step / 2; value += step) add(value);
   add(most);
   return numbers;
 }
 
-// White for none, then the colours.
+// Returns the scale of a heat map: white for zero, then the colours.
 std::string heat_scale(const ReportMap& map) {
   std::string colors;
   for (int i = 0; i < kScaleSteps; ++i) {
@@ -270,7 +270,7 @@ void Choices::add(const std::string& name, const std::string& content) {
 std::string image_viewer(const ComparedScene& scene, std::size_t number) {
   if (scene.image.png.empty()) return {};
   const std::string id = fmt::format("pictures{}", number);
-  return "<div class=\"row\"><h3>Pictures</h3>" + scripted_viewer(scene, id) + plain_viewer(scene, id) +
+  return "<div class=\"row\"><h3>Images</h3>" + scripted_viewer(scene, id) + plain_viewer(scene, id) +
          equal_names(scene) + "</div>";
 }
 

@@ -1,15 +1,14 @@
-// The viewer of two pictures: swipe, flip and difference, zoom and pan of both in step, the colours under the
-// pointer. Without this script the page shows every picture beside its difference, and that is what comes back
-// when anything here fails.
+// The viewer of two images: swipe, flip and difference, zoom and pan of both together, and the colours under the
+// pointer. Without this script, and where it fails, the page shows every image beside its difference.
 (() => {
 'use strict';
 
-const kLargestZoom = 64;    // screen pixels a picture's pixel
-const kNearestFrom = 2;     // from this zoom on pixels have edges,
-const kNearestFitFrom = 4;  // or from this one on where all of a picture fits
+const kLargestZoom = 64;    // screen pixels per image pixel
+const kNearestFrom = 2;     // pixels have sharp edges from this zoom on,
+const kNearestFitFrom = 4;  // or from this zoom on where the whole image fits
 const kZoomStep = 1.25;
 const kDoubleClickZoom = 8;
-const kVisible = 1;         // steps of 255 that count as no difference
+const kVisible = 1;         // larger differences, in steps of 1/255, are counted
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 
@@ -32,7 +31,8 @@ const elementOf = (name, text) => {
   return element;
 };
 
-// The value that a heat map's colour stands for: white is none, else the nearest colour of its scale.
+// Returns the value that a colour of a heat map stands for: 0 for white, otherwise that of the nearest colour of
+// its scale.
 const valueOf = (legend, red, green, blue) => {
   if (red + green + blue === 3 * 255) return 0;
   const most = Number(legend.dataset.most);
@@ -65,10 +65,10 @@ class Viewer {
     this.readout = find('.readout');
     this.legends = find('.legends');
     this.mode = 'swipe';
-    this.split = 0.5;      // of the stage's width, where the right picture begins
-    this.flipped = false;  // held: the right picture is shown
-    this.scale = 0;        // screen pixels a picture's pixel; 0: all of it fits
-    this.x = this.y = 0;   // of the picture, at the stage's upper left corner
+    this.split = 0.5;      // share of the stage's width at which the right image begins
+    this.flipped = false;  // the right image is shown while it is held
+    this.scale = 0;        // screen pixels per image pixel; 0: the whole image fits
+    this.x = this.y = 0;   // of the image, at the stage's upper left corner
     this.pointers = new Map();
     this.bind();
   }
@@ -83,7 +83,7 @@ class Viewer {
 
   // -------------------------------------------------------------------------------------------- what is shown
 
-  // The pictures of both menus. Their pixels are kept as long as they are shown.
+  // Takes the images that both menus name, and keeps their pixels as long as they are shown.
   choose() {
     const chosen = this.menus.map((menu) => menu.selectedOptions[0]);
     const images = chosen.map((option) => this.section.querySelector(`img[data-picture="${option.value}"]`));
@@ -103,7 +103,7 @@ class Viewer {
     this.draw();
   }
 
-  // Both pictures' difference, multiplied by what the menu says.
+  // Makes the difference of both images, multiplied by the amplification of the menu.
   subtract() {
     const [left, right] = this.pixels;
     const {naturalWidth: width, naturalHeight: height} = this.images[0];
@@ -151,17 +151,17 @@ class Viewer {
   }
 
   // From `first` to `last` on the stage.
-  paint(context, picture, first, last) {
+  paint(context, image, first, last) {
     context.save();
     context.beginPath();
     context.rect(first, 0, last - first, this.stage.clientHeight);
     context.clip();
-    context.drawImage(picture, -this.x * this.zoom, -this.y * this.zoom, this.width * this.zoom,
+    context.drawImage(image, -this.x * this.zoom, -this.y * this.zoom, this.width * this.zoom,
                       this.height * this.zoom);
     context.restore();
   }
 
-  // What stands around the pictures.
+  // Updates the controls and texts around the images.
   show() {
     const percent = Math.round(100 * this.split);
     this.stage.dataset.mode = this.mode;
@@ -183,14 +183,14 @@ class Viewer {
 
   // --------------------------------------------------------------------------------------------- zoom and pan
 
-  // A picture that is smaller than the stage stands in its middle, a larger one fills it.
+  // Centres an image that is smaller than the stage; a larger one fills the stage.
   keepInside() {
     const inside = (start, shown, all) => shown >= all ? (all - shown) / 2 : clamp(start, 0, all - shown);
     this.x = inside(this.x, this.stage.clientWidth / this.zoom, this.width);
     this.y = inside(this.y, this.stage.clientHeight / this.zoom, this.height);
   }
 
-  // What is at (left, top) of the stage stays there.
+  // Changes the zoom so that the point at (left, top) of the stage stays there.
   zoomTo(scale, left, top) {
     const next = clamp(scale, this.fit, kLargestZoom);
     this.x += left / this.zoom - left / next;
@@ -261,7 +261,7 @@ class Viewer {
     this.bindKeys();
   }
 
-  // Where on the stage.
+  // Returns the position of an event on the stage.
   place(event) {
     const box = this.stage.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -276,7 +276,7 @@ class Viewer {
     stage.addEventListener('dblclick', (event) => {
       this.zoomTo(this.scale ? 0 : kDoubleClickZoom, ...this.place(event));
     });
-    // Not from whom scrolls the page past the picture.
+    // A wheel that scrolls the page past the image must not zoom it.
     stage.addEventListener('wheel', (event) => {
       if (!event.ctrlKey && !event.metaKey && !stage.contains(document.activeElement)) return;
       event.preventDefault();
@@ -305,7 +305,7 @@ class Viewer {
     this.read(x, y);
   }
 
-  // One of two fingers moved to `place`: by as much as they are further apart.
+  // Zooms as one of two fingers moves to `place`, by the ratio of their distances.
   pinch(moved, place) {
     const last = this.pointers.get(moved);
     const [, other] = [...this.pointers].find(([id]) => id !== moved);
@@ -344,7 +344,7 @@ class Viewer {
     };
     this.stage.addEventListener('keydown', (event) => {
       const action = actions[event.key];
-      // What would do nothing here scrolls the page.
+      // A key that would do nothing here scrolls the page.
       const acts = event.key.startsWith('Arrow') ? this.scale > 0 : event.key !== ' ' || this.mode === 'flip';
       if (!action || !acts || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
@@ -355,7 +355,7 @@ class Viewer {
   }
 }
 
-// All pictures are there once the page is: they are part of it.
+// The images are part of the page, and so are loaded with it.
 window.addEventListener('load', () => {
   for (const root of document.querySelectorAll('.viewer')) {
     try {

@@ -1,4 +1,5 @@
-// All fragments of every pixel: see pellucid/deep_image.h.
+// Deep images: collects the fragments of every pixel, and writes them as deep OpenEXR files.
+// In: a drawn result with fragments. Out: a deep image, a file.
 #include "pellucid/deep_image.h"
 
 #include <algorithm>
@@ -35,13 +36,14 @@ DeepImage make_deep_image(const RenderResult& result, const RenderScene& scene, 
   const CapturedFragments& captured = result.fragments;
   const std::size_t pixels = std::size_t{result.width} * result.height;
   if (captured.offsets.size() != pixels + 1 || captured.colors.size() != captured.fragments.size())
-    throw Error(ErrorKind::bad_argument, "a deep picture needs fragments with colours, one sample a pixel");
-  DeepImage picture{result.width, result.height, captured.offsets, {}};
+    throw Error(ErrorKind::bad_argument,
+                "a deep image needs fragments with colours, and one sample per pixel");
+  DeepImage image{result.width, result.height, captured.offsets, {}};
   std::vector<std::size_t> places;
   for (std::size_t p = 0; p < pixels; ++p) {
     places.resize(captured.offsets[p + 1] - captured.offsets[p]);
     std::iota(places.begin(), places.end(), captured.offsets[p]);
-    // Techniques that peel from both ends deliver the far half otherwise.
+    // Techniques that peel from both ends deliver the far half in reverse order.
     std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
       const Fragment& x = captured.fragments[a];
       const Fragment& y = captured.fragments[b];
@@ -49,21 +51,21 @@ DeepImage make_deep_image(const RenderResult& result, const RenderScene& scene, 
     });
     for (const std::size_t i : places) {
       const Fragment& f = captured.fragments[i];
-      picture.fragments.push_back({f.depth, distance_of(f.depth, camera), f.node,
-                                   scene.objects[triangle_of(f.node)], captured.colors[i]});
+      image.fragments.push_back({f.depth, distance_of(f.depth, camera), f.node,
+                                 scene.objects[triangle_of(f.node)], captured.colors[i]});
     }
   }
-  return picture;
+  return image;
 }
 
 #ifdef PELLUCID_WITH_OPENEXR
 
 namespace {
 
-// A file that is still in memory, so that it can be written whole or not at all.
+// A file in memory, so that it can be written whole or not at all.
 class MemoryStream final : public Imf::OStream {
  public:
-  MemoryStream() : OStream("deep picture") {}
+  MemoryStream() : OStream("deep image") {}
   void write(const char* bytes, int count) override {
     const auto n = static_cast<std::size_t>(count);
     if (place_ + n > data_.size()) data_.resize(place_ + n);
@@ -79,33 +81,33 @@ class MemoryStream final : public Imf::OStream {
   std::size_t place_ = 0;
 };
 
-// What a channel has of each fragment.
+// A channel with one value per fragment.
 template <class Value>
 struct Channel {
   const char* name;
   Imf::PixelType type;
   std::vector<Value> values;
-  std::vector<char*> rows{};  // of every pixel, where its first value lies
+  std::vector<char*> rows{};  // address of the first value of every pixel
 
-  void add_to(Imf::Header& header, Imf::DeepFrameBuffer& buffer, const DeepImage& picture) {
+  void add_to(Imf::Header& header, Imf::DeepFrameBuffer& buffer, const DeepImage& image) {
     header.channels().insert(name, Imf::Channel(type));
-    rows.reserve(picture.offsets.size());
-    for (std::size_t p = 0; p + 1 < picture.offsets.size(); ++p) {
+    rows.reserve(image.offsets.size());
+    for (std::size_t p = 0; p + 1 < image.offsets.size(); ++p) {
       // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): OpenEXR takes all types as char
-      rows.push_back(reinterpret_cast<char*>(values.data() + picture.offsets[p]));
+      rows.push_back(reinterpret_cast<char*>(values.data() + image.offsets[p]));
     }
     buffer.insert(name, Imf::DeepSlice(type,
                                        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast)
                                        reinterpret_cast<char*>(rows.data()), sizeof(char*),
-                                       sizeof(char*) * picture.width, sizeof(Value)));
+                                       sizeof(char*) * image.width, sizeof(Value)));
   }
 };
 
 template <class Value, class Of>
-std::vector<Value> each(const DeepImage& picture, const Of& of) {
+std::vector<Value> each(const DeepImage& image, const Of& of) {
   std::vector<Value> values;
-  values.reserve(picture.fragments.size());
-  for (const DeepFragment& f : picture.fragments) values.push_back(of(f));
+  values.reserve(image.fragments.size());
+  for (const DeepFragment& f : image.fragments) values.push_back(of(f));
   return values;
 }
 
@@ -115,38 +117,38 @@ bool can_write_deep_exr() {
   return true;
 }
 
-void write_deep_exr(const DeepImage& picture, const std::string& path) {
-  Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
+void write_deep_exr(const DeepImage& image, const std::string& path) {
+  Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
   header.setType(Imf::DEEPSCANLINE);
   header.compression() = Imf::ZIPS_COMPRESSION;
 
   std::vector<std::uint32_t> counts;
-  for (std::size_t p = 0; p + 1 < picture.offsets.size(); ++p)
-    counts.push_back(static_cast<std::uint32_t>(picture.offsets[p + 1] - picture.offsets[p]));
+  for (std::size_t p = 0; p + 1 < image.offsets.size(); ++p)
+    counts.push_back(static_cast<std::uint32_t>(image.offsets[p + 1] - image.offsets[p]));
   Imf::DeepFrameBuffer buffer;
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast)
   buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()),
-                                           sizeof(std::uint32_t), sizeof(std::uint32_t) * picture.width));
+                                           sizeof(std::uint32_t), sizeof(std::uint32_t) * image.width));
   const auto color = [&](std::size_t c) {
-    return each<float>(picture, [c](const DeepFragment& f) { return f.color.at(c) * f.color[3]; });
+    return each<float>(image, [c](const DeepFragment& f) { return f.color.at(c) * f.color[3]; });
   };
   std::array<Channel<float>, 5> reals{
       {{"R", Imf::FLOAT, color(0)},
        {"G", Imf::FLOAT, color(1)},
        {"B", Imf::FLOAT, color(2)},
-       {"A", Imf::FLOAT, each<float>(picture, [](const DeepFragment& f) { return f.color[3]; })},
-       {"Z", Imf::FLOAT, each<float>(picture, [](const DeepFragment& f) { return f.distance; })}}};
+       {"A", Imf::FLOAT, each<float>(image, [](const DeepFragment& f) { return f.color[3]; })},
+       {"Z", Imf::FLOAT, each<float>(image, [](const DeepFragment& f) { return f.distance; })}}};
   std::array<Channel<std::uint32_t>, 2> integers{
-      {{"object", Imf::UINT, each<std::uint32_t>(picture, [](const DeepFragment& f) { return f.object; })},
-       {"node", Imf::UINT, each<std::uint32_t>(picture, [](const DeepFragment& f) { return f.node; })}}};
-  for (auto& channel : reals) channel.add_to(header, buffer, picture);
-  for (auto& channel : integers) channel.add_to(header, buffer, picture);
+      {{"object", Imf::UINT, each<std::uint32_t>(image, [](const DeepFragment& f) { return f.object; })},
+       {"node", Imf::UINT, each<std::uint32_t>(image, [](const DeepFragment& f) { return f.node; })}}};
+  for (auto& channel : reals) channel.add_to(header, buffer, image);
+  for (auto& channel : integers) channel.add_to(header, buffer, image);
 
   MemoryStream stream;
   try {
     Imf::DeepScanLineOutputFile file(stream, header);
     file.setFrameBuffer(buffer);
-    file.writePixels(static_cast<int>(picture.height));
+    file.writePixels(static_cast<int>(image.height));
   } catch (const std::exception& error) {
     throw Error(ErrorKind::cannot_write, path + ": OpenEXR: " + error.what());
   }
@@ -159,7 +161,7 @@ bool can_write_deep_exr() {
   return false;
 }
 
-void write_deep_exr(const DeepImage& /*picture*/, const std::string& path) {
+void write_deep_exr(const DeepImage& /*image*/, const std::string& path) {
   throw Error(ErrorKind::bad_argument,
               path + ": this build of pellucid cannot write OpenEXR (PELLUCID_OPENEXR is off)");
 }

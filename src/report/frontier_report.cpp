@@ -1,4 +1,5 @@
-// frontier_report.cpp
+// The Pareto front of error and number of buffers, as a table, JSON and an SVG plot.
+// In: a frontier report (pellucid/report.h). Out: text, JSON (docs/json.md) and SVG.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -56,10 +57,11 @@ constexpr double kFrontierTop = 86;
 constexpr double kFrontierBottom = 306;
 constexpr double kLeastDecades = 2;
 constexpr double kPsnrStep = 10;
-// An error that the log axis cannot show is drawn at its lower end.
+// Errors that are too small for the logarithmic axis are drawn at its lower end.
 constexpr double kLeastIpr = 1e-7;
 
-// Blue and orange stay apart for all kinds of colour vision; both have contrast on light and on dark ground.
+// Blue and orange can be told apart with any kind of colour vision, and have contrast on light and on dark
+// backgrounds.
 constexpr const char* kFrontierStyle = R"(<style>
 text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
 .title{font-size:16px;font-weight:600}
@@ -136,7 +138,7 @@ class Panel {
                             format_count(primitive_.triangles), escape_html(report_.views)));
   }
 
-  // The column of the number that was chosen.
+  // Returns the column of the number of buffers that was chosen.
   [[nodiscard]] std::string marks() const {
     const double half = 0.5 * (kFrontierRight - kFrontierLeft) / static_cast<double>(points_.size());
     return fmt::format(
@@ -175,7 +177,7 @@ class Panel {
     const std::string line = fmt::format(
         "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target {}-line\"/>\n",
         kFrontierLeft, kFrontierRight, y, y, color);
-    // Beside the axis of its measure.
+    // The label stands beside the axis of its measure.
     return line + (report_.min_psnr ? text(kFrontierRight - 6, y - 6, "end", "small " + color, words)
                                     : text(kFrontierLeft + 6, y - 6, "start", "small " + color, words));
   }

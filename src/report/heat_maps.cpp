@@ -1,4 +1,5 @@
-// heat_maps.cpp
+// Heat maps: the colours, overdraw alone and side by side, and fragments and memory budgets of every pixel.
+// In: counts or shares of every pixel. Out: images.
 #include "report/heat_maps.h"
 
 #include <fmt/format.h>
@@ -14,11 +15,12 @@ namespace {
 // ------------------------------------------------------------------------------------------------ overdraw
 
 constexpr Rgb kBackground{255, 255, 255};
-// Even steps of OKLab lightness (0.915 to 0.265), so that the order survives any kind of colour vision and
-// print without colour; the hue goes from blue to warm, so that the first fragment in vain is seen at once.
+// Even steps of OKLab lightness (0.915 to 0.265), so that the colours keep their order for any kind of colour
+// vision and in print without colour. The hue goes from blue to warm, so that the first wasted fragment
+// stands out.
 constexpr std::array<Rgb, kHeatSteps> kRamp{
     {{218, 228, 239}, {226, 170, 87}, {204, 101, 38}, {144, 45, 38}, {68, 16, 24}}};
-// Between pictures, and where a row has none.
+// The colour between images, and where a row has no image.
 constexpr Rgb kGutterColor{196, 203, 211};
 constexpr std::uint32_t kGutter = 2;  // pixels
 
@@ -39,7 +41,7 @@ void check_size(const HeatMap& map) {
                                            std::to_string(map.shaded.size()) + " pixels");
 }
 
-// With its upper left corner at (left, top).
+// Draws a map with its upper left corner at (left, top).
 void draw(Image& image, const HeatMap& map, std::uint32_t left, std::uint32_t top) {
   check_size(map);
   for (std::uint32_t y = 0; y < map.size; ++y) {
@@ -55,8 +57,8 @@ struct MapWords {
 };
 
 template <class Value>
-NamedMap map_of(const MapWords& words, const std::vector<Value>& values, const RenderResult& result,
-                std::uint32_t samples) {
+NamedMap heat_map_of(const MapWords& words, const std::vector<Value>& values, const RenderResult& result,
+                     std::uint32_t samples) {
   NamedMap map{words.name, {}, {result.width, result.height, {}}, words.words, words.unit};
   const Value most = values.empty() ? Value{} : *std::max_element(values.begin(), values.end());
   for (std::size_t p = 0; p < values.size(); p += samples) {
@@ -69,7 +71,7 @@ NamedMap map_of(const MapWords& words, const std::vector<Value>& values, const R
   return map;
 }
 
-// Of a list in any sequence, which it sorts: fragments at the depth of another one.
+// Returns the number of fragments that share their depth with another one. Sorts the list.
 std::uint32_t count_coplanar(std::vector<float>& depths) {
   std::sort(depths.begin(), depths.end());
   std::uint32_t count = 0;
@@ -125,9 +127,9 @@ Image contact_sheet(const std::vector<std::vector<HeatMap>>& sheet) {
 std::vector<NamedMap> budget_heat_maps(const RenderResult& result, std::uint32_t samples) {
   const BudgetMaps& maps = result.maps;
   if (maps.k.empty()) return {};
-  return {map_of({"importance", "importance", ""}, maps.importance, result, samples),
-          map_of({"k", "k, slots for fragments", "slots"}, maps.k, result, samples),
-          map_of({"loss", "fragments lost to the tail", "fragments"}, maps.lost, result, samples)};
+  return {heat_map_of({"importance", "importance", ""}, maps.importance, result, samples),
+          heat_map_of({"k", "k, slots for fragments", "slots"}, maps.k, result, samples),
+          heat_map_of({"loss", "fragments lost to the tail", "fragments"}, maps.lost, result, samples)};
 }
 
 std::vector<NamedMap> fragment_heat_maps(const RenderResult& result, std::uint32_t samples) {
@@ -143,8 +145,9 @@ std::vector<NamedMap> fragment_heat_maps(const RenderResult& result, std::uint32
     fragments.push_back(static_cast<std::uint32_t>(depths.size()));
     coplanar.push_back(count_coplanar(depths));
   }
-  return {map_of({"fragments", "fragments of a pixel", "fragments"}, fragments, result, samples),
-          map_of({"coplanar", "fragments at the depth of another", "fragments"}, coplanar, result, samples)};
+  return {
+      heat_map_of({"fragments", "fragments of a pixel", "fragments"}, fragments, result, samples),
+      heat_map_of({"coplanar", "fragments at the depth of another", "fragments"}, coplanar, result, samples)};
 }
 
 }  // namespace pellucid

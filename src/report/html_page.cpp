@@ -1,4 +1,4 @@
-// The frame and the parts that all report pages share: see html_page.h.
+// The frame and the parts of report pages.
 #include "report/html_page.h"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 namespace pellucid {
 namespace {
 
-// Restrained: one column, one accent, system fonts; follows the reader's light or dark scheme.
+// One column, one accent colour and system fonts; follows the reader's light or dark scheme.
 constexpr std::string_view kPageStyle = R"css(
 :root{color-scheme:light dark;--ink:#1c2430;--soft:#5b6675;--line:#dfe4ea;--ground:#fff;--tile:#f5f7f9;--accent:#1f6fb2;--bar:#7fb0d8}
 @media(prefers-color-scheme:dark){:root{--ink:#e4e9ef;--soft:#98a4b3;--line:#2d3642;--ground:#12161c;--tile:#1a2028;--accent:#6db3ec;--bar:#3f78a8}}

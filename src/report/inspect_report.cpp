@@ -1,4 +1,5 @@
-// What is in a model file, as a table and as JSON: see pellucid/report.h.
+// The contents of a model file, as text and as JSON.
+// In: a model. Out: text and JSON (docs/json.md).
 #include <fmt/format.h>
 
 #include "pellucid/report.h"
@@ -27,7 +28,7 @@ const char* name_of(OrderPurpose purpose) {
   return purpose == OrderPurpose::overdraw ? "overdraw" : "transparency";
 }
 
-// Of an overdraw set.
+// Returns the number of patches of an overdraw order set.
 std::size_t patch_count(const OrderSet& orders) {
   return orders.patch_offsets.empty() ? orders.base_sequence.size() : orders.patch_offsets.size() - 1;
 }
@@ -40,7 +41,7 @@ Json json_of(const KeyFrameTable& table, const Model& model) {
           {"last_time", table.times.back()}};
 }
 
-// Keys that only overdraw sets have.
+// Adds the keys that only overdraw order sets have.
 void add_overdraw_keys(Json& json, const OrderSet& orders, const Model& model) {
   if (orders.purpose != OrderPurpose::overdraw) return;
   Json animations = Json::array();

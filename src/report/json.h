@@ -1,4 +1,5 @@
-// JSON as every report writes it: keys in the order of the contract, two spaces, one final newline.
+// What all JSON reports share: keys in the order of the contract, two spaces of indentation, one final
+// newline. In: values of a report. Out: JSON (docs/json.md).
 #pragma once
 
 #include <cmath>
@@ -12,7 +13,7 @@ namespace pellucid {
 using Json = nlohmann::ordered_json;
 constexpr int kJsonSchema = 1;
 
-// JSON has no infinity: it is written as the text "inf".
+// Returns a distance. JSON has no infinity, which becomes the text "inf".
 inline Json json_distance(double distance) {
   return std::isinf(distance) ? Json("inf") : Json(distance);
 }
@@ -30,7 +31,8 @@ inline Json json_of(const MeshReport& check) {
           {"closed", check.closed()}};
 }
 
-// Names come from files: bytes that are not UTF-8 become replacement characters.
+// Returns the text of a report. Names come from files: bytes that are not UTF-8 become replacement
+// characters.
 inline std::string dump(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

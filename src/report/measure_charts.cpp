@@ -1,4 +1,4 @@
-// Inline SVG for the report page: see html_charts.h.
+// Spheres of view directions, plots and histograms as inline SVG.
 #include "report/measure_charts.h"
 
 #include <fmt/format.h>
@@ -23,11 +23,11 @@ constexpr double kPlotHeight = 240;
 constexpr double kPlotLeft = 56;
 constexpr double kPlotBottom = 34;
 constexpr double kPlotTop = 12;
-constexpr int kSteps = 5;  // axes end at 1, 2 or 5 times a power of ten
+constexpr int kSteps = 5;  // of an axis, which ends at 1, 2 or 5 times a power of ten
 
 using Polygon = std::vector<Vec3d>;
 
-// One hemisphere, seen from +Z (front) or -Z (back), Y up.
+// One hemisphere, seen from +Z (front) or -Z (back), with Y up.
 struct Hemisphere {
   double sign;
   double center_x;
@@ -40,7 +40,7 @@ struct Hemisphere {
 constexpr Hemisphere kFront{1, kRadius + 2};
 constexpr Hemisphere kBack{-1, 3 * kRadius + kGap + 2};
 
-// The part of a polygon on the visible side, so that cells across the rim are cut there.
+// Returns the part of a polygon on the visible side. Cells that cross the rim are cut there.
 Polygon clipped(const Polygon& polygon, const Hemisphere& side) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -83,20 +83,20 @@ std::string sphere_svg(const std::string& label, const std::string& content) {
   return text + "</svg>";
 }
 
-// Colours that stay apart for neighbours in number, on light and on dark ground.
+// Returns a colour that differs from those of the neighbouring numbers, on light and on dark backgrounds.
 std::string order_color(std::size_t order, std::size_t count) {
   const double hue =
       360.0 * static_cast<double>(order) / static_cast<double>(std::max<std::size_t>(1, count)) + 220;
   return fmt::format("oklch({} 0.115 {:.0f})", order % 2 == 0 ? "0.70" : "0.80", std::fmod(hue, 360.0));
 }
 
-// A piece of a view cell: fine enough that the rim of the sphere looks round.
+// A piece of a view cell. Pieces are so small that the rim of the sphere looks round.
 struct CellPiece {
   std::uint32_t cell;
   Polygon polygon;
 };
 
-// S cells in faces of a finer icosphere: the parent of face f is f / 4.
+// Returns cells S[n] as faces of a finer icosphere: the parent of face f is f / 4.
 std::vector<CellPiece> triangle_cells(std::uint32_t level) {
   const std::uint32_t fine = std::max(level, kRoundLevel);
   const Icosphere sphere = make_icosphere(fine);
@@ -109,7 +109,7 @@ std::vector<CellPiece> triangle_cells(std::uint32_t level) {
   return pieces;
 }
 
-// P cells: the middles of the faces around a vertex, in turn.
+// Returns cells P[n], each a polygon through the centres of the faces around a vertex.
 std::vector<CellPiece> vertex_cells(std::uint32_t level) {
   const Icosphere sphere = make_icosphere(level);
   std::vector<CellPiece> cells(sphere.vertices.size());
@@ -133,7 +133,7 @@ std::vector<CellPiece> cell_pieces(const PartitionSpec& spec) {
   return has_triangle_cells(spec) ? triangle_cells(spec.level) : vertex_cells(spec.level);
 }
 
-// Pale to dark red through amber; `share` in 0..1.
+// Returns a colour from pale through amber to dark red, for a share from 0 to 1.
 std::string error_color(double share) {
   struct Stop {
     double at, r, g, b;
@@ -170,7 +170,7 @@ double worst_ipr(std::span<const FrameError> frames) {
   return worst;
 }
 
-// Round up to 1, 2 or 5 times a power of ten: the end of an axis.
+// Returns the end of an axis: the value rounded up to 1, 2 or 5 times a power of ten.
 double axis_end(double value) {
   if (!(value > 0)) return 0.001;
   const double power = std::pow(10.0, std::floor(std::log10(value)));
@@ -214,7 +214,7 @@ std::string axes_svg(const Axes& axes, const std::function<std::string(double)>&
                             (kPlotLeft + kPlotWidth - 10) / 2, kPlotHeight - 2, x_title);
 }
 
-// From x0 to x1, with a gap to the next one.
+// Returns a bar from x0 to x1, with a gap to the next bar.
 std::string bar_svg(const Axes& axes, double x0, double x1, double y) {
   const double gap = std::min(1.0, 0.1 * (axes.x(x1) - axes.x(x0)));
   return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" class=\"bar\"/>",
@@ -247,7 +247,7 @@ std::string order_sphere_svg(const OrderSet& orders) {
 std::string error_sphere_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames) {
   const std::size_t count = std::min(viewpoints.size(), frames.size());
   const double most = axis_end(worst_ipr(frames));
-  // A bell as wide as the mean spacing of the viewpoints.
+  // The errors are smoothed by a Gaussian as wide as the mean spacing of the viewpoints.
   const double width =
       std::max(0.1, std::sqrt(4 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(1, count))));
   const Icosphere sphere = make_icosphere(kRoundLevel);
@@ -326,7 +326,7 @@ std::string histogram_svg(std::span<const FrameError> frames) {
 
 std::string depth_histogram_svg(std::span<const std::uint64_t> pixels_by_depth) {
   const std::size_t deepest = pixels_by_depth.empty() ? 0 : pixels_by_depth.size() - 1;
-  // Bars of several depths where one each would be too thin.
+  // A bar stands for several depths where single ones would be too thin.
   const std::size_t width = deepest / kMostBars + 1;
   std::vector<std::uint64_t> counts;
   for (std::size_t n = 1; n <= deepest; n += width) {

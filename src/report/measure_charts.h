@@ -1,4 +1,5 @@
-// Inline SVG for the report page: spheres of view directions and plots of the error.
+// Charts of measured orders as inline SVG: spheres of view directions, plots and histograms.
+// In: orders, viewpoints and their errors. Out: SVG for a page with the style of html_page.h.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +12,22 @@
 
 namespace pellucid {
 
-// Two hemispheres of view cells, coloured by the order that they use.
+// Returns two hemispheres of view cells, coloured by the order that each cell uses.
 std::string order_sphere_svg(const OrderSet& orders);
 
-// Two hemispheres of view directions, coloured by the share of wrong pixels near each; dots are the
-// viewpoints.
+// Returns two hemispheres of view directions, coloured by the share of wrong pixels near each direction. Dots
+// are the viewpoints.
 std::string error_sphere_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames);
 
-// Wrong pixels of every viewpoint over its distance, and the mean of each distance bin as steps.
+// Returns the wrong pixels of every viewpoint over its distance, and the mean of each distance bin as steps.
 std::string distance_plot_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames,
                               std::span<const DistanceError> bins, double nearest, double farthest);
 
-// How many viewpoints have how many wrong pixels.
+// Returns a histogram of viewpoints by their share of wrong pixels.
 std::string histogram_svg(std::span<const FrameError> frames);
 
-// How many pixels have how many fragments; pixels_by_depth[n] have n. Those without any are left out.
+// Returns a histogram of pixels by their number of fragments: pixels_by_depth[n] pixels have n. Pixels
+// without fragments are left out.
 std::string depth_histogram_svg(std::span<const std::uint64_t> pixels_by_depth);
 
 }  // namespace pellucid

@@ -1,5 +1,5 @@
-// One self-contained page: headline, pictures, methods, error over the sphere and over distance. See
-// pellucid/report.h.
+// The page of a measurement: headline, images, methods, and error over the sphere and over distance.
+// In: a measure report, an order set and images (pellucid/report.h). Out: one self-contained HTML page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ std::string headline(const HtmlReportInput& input, const PrimitiveMeasureReport&
   return text + "</div>";
 }
 
-std::string pictures(std::span<const ImageRow> rows) {
+std::string images(std::span<const ImageRow> rows) {
   if (rows.empty()) return {};
   std::string text =
       "<h2>What it looks like</h2><p class=\"note\">From left to right: the truth, what the chosen index "
@@ -68,7 +68,7 @@ std::string pictures(std::span<const ImageRow> rows) {
       "what a viewer draws without it, and in red every pixel that the buffer gets wrong.</p>";
   for (const ImageRow& row : rows) {
     text += fmt::format("<div class=\"row\"><h3>{}</h3><div class=\"pictures\">", escape_html(row.title));
-    for (const ReportImage& picture : row.images) text += figure(picture.caption, picture.png);
+    for (const ReportImage& image : row.images) text += figure(image.caption, image.png);
     text += "</div></div>";
   }
   return text;
@@ -171,8 +171,8 @@ std::string settings_section(const HtmlReportInput& input) {
   add("facing", orders.facing == Facing::single ? "front faces" : "both faces of every triangle");
   add("viewpoints", fmt::format("{}, distance {} to {}, seed {}", settings.viewpoints, settings.min_distance,
                                 settings.max_distance, settings.seed));
-  add("picture", fmt::format("{} by {} pixels, no multisampling, opacity {}", settings.size, settings.size,
-                             settings.alpha));
+  add("image", fmt::format("{} by {} pixels, no multisampling, opacity {}", settings.size, settings.size,
+                           settings.alpha));
   add("overdraw",
       fmt::format("front faces, depth test, first {} viewpoints", input.measured->overdraw_viewpoints));
   add("time", format_seconds(input.measured->seconds_total));
@@ -189,7 +189,7 @@ std::string settings_section(const HtmlReportInput& input) {
 std::string html_report(const HtmlReportInput& input) {
   const PrimitiveMeasureReport& primitive = input.measured->primitives[input.primitive];
   return html_page(input.title + ": visibility orders",
-                   headline(input, primitive) + "\n" + pictures(input.rows) + "\n" + methods_section(input) +
+                   headline(input, primitive) + "\n" + images(input.rows) + "\n" + methods_section(input) +
                        "\n" + error_section(input, primitive) + "\n" + settings_section(input) + "\n");
 }
 

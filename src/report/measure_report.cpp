@@ -1,4 +1,5 @@
-// What `pellucid measure` found, as a table and as JSON: see pellucid/report.h.
+// The quality of order sets and of the baselines, as a table and as JSON.
+// In: a measure report (pellucid/report.h). Out: text and JSON (docs/json.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,7 +55,7 @@ Json json_of(const PrimitiveMeasureReport& primitive) {
           {"notes", primitive.notes}};
 }
 
-// The method of that name in every primitive as one: means of means, worst of worst.
+// Returns the method of that name over all primitives: means of means, and the worst of the worst values.
 MethodReport pooled_method(const MeasureReport& report, const std::string& name) {
   MethodReport sum;
   double count = 0;
@@ -121,7 +122,7 @@ void add_row(TextTable& table, const MethodReport& method) {
                  format_nanoseconds(method.nanoseconds_per_frame)});
 }
 
-// What tuning for one cache costs with another.
+// Returns a table of ACMR by cache, which shows what an order costs with a cache that it was not tuned for.
 std::string cache_table(const PrimitiveMeasureReport& primitive) {
   std::vector<std::string> header{"misses per triangle"};
   for (const ReportedCache& cache : kReportedCaches) {

@@ -1,4 +1,5 @@
-// order_report.cpp
+// What was ordered, of one file or of many, as a table, one line and JSON.
+// In: order reports (pellucid/report.h). Out: text and JSON (docs/json.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +39,7 @@ Json json_of(const SplitReport& split) {
           {"limit_met", split.limit_met}};
 }
 
-// Values below 0 were not measured.
+// Returns null for values below 0, which were not measured.
 Json json_or_null(double value) {
   return value < 0 ? Json(nullptr) : Json(value);
 }
@@ -103,7 +104,7 @@ Json json_of(const OrderReport& report) {
     vertices += primitive.vertices;
     memory += primitive.memory_bytes;
     dropped += primitive.statistics.dropped_edges;
-    // Shares of weight cannot be added: the mean by triangles says what a typical primitive lost.
+    // Shares cannot be added up. The mean weighted by triangles says what a typical primitive lost.
     dropped_weight += primitive.statistics.dropped_weight * static_cast<double>(primitive.triangles);
     cyclic_cells += primitive.statistics.cyclic_cells;
     stages.graph += primitive.statistics.seconds.graph;
@@ -170,7 +171,7 @@ std::string problems_of(const MeshReport& check) {
   return text;
 }
 
-// What has no right order, and what was done about it.
+// Returns what splitting did, and the pixels that no order draws correctly.
 std::string unordered_text(const PrimitiveOrderReport& primitive) {
   std::string text;
   if (primitive.split) {
@@ -181,13 +182,13 @@ std::string unordered_text(const PrimitiveOrderReport& primitive) {
         primitive.name, format_count(split.intersecting_pairs), format_count(split.pairs_left),
         split.cyclic_before, split.viewpoints, split.cyclic_left,
         format_count(split.added_by_intersections + split.added_by_cycles),
-        split.limit_met ? ", the limit: --split-limit" : "");
+        split.limit_met ? ", which is the limit of new triangles" : "");
   }
   if (primitive.ipr_unavoidable > 0) {
     text +=
         fmt::format("{}: wrong pixels that no order avoids, as faces intersect or overlap in cycles: {}{}\n",
                     primitive.name, format_percent(primitive.ipr_unavoidable),
-                    primitive.split ? "" : " (--split cuts them)");
+                    primitive.split ? "" : " (splitting cuts them)");
   }
   return text;
 }

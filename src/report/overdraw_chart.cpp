@@ -1,5 +1,5 @@
-// Overdraw over the animation as an SVG (figure 8 of Han and Sander 2017, key frame by key frame): see
-// pellucid/overdraw_report.h.
+// The chart of overdraw over the animation, as in figure 8 of Han and Sander 2017 but key frame by key frame.
+// In: an overdraw report (pellucid/overdraw_report.h). Out: SVG.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,15 +21,16 @@ constexpr double kChartHeight = 334;
 constexpr double kBarLeft = 150;  // names of the bars stand to the left
 constexpr double kBarPitch = 30;
 constexpr double kBarHeight = 18;
-constexpr int kMostAxisSteps = 5;      // of an axis
-constexpr double kLeastExcess = 0.01;  // that an axis goes to
+constexpr int kMostAxisSteps = 5;      // steps of an axis
+constexpr double kLeastExcess = 0.01;  // least excess at the end of an axis
 constexpr std::size_t kMostBins = 300;
-constexpr std::size_t kRowNameLength = 15;  // of rows, characters
+constexpr std::size_t kRowNameLength = 15;  // characters of a method's name
 constexpr double kCharacter = 7.2;          // mean width at 12 pixels
-constexpr double kClipRoom = 84;            // for the name of a clip, even where the clip is narrower
+constexpr double kClipRoom = 84;            // pixels for the name of a clip, even where the clip is narrower
 constexpr double kSeparatorGap = 6;         // clips closer than this have separators only beside their names
 
-// Key frames begin .. end - 1, of one clip: all of it (a segment of the axis) or some (a point of a curve).
+// Key frames begin .. end - 1 of one clip: the whole clip (a segment of the axis) or a part (a point of a
+// curve).
 struct FrameRange {
   std::uint32_t clip = 0;
   std::size_t begin = 0, end = 0;
@@ -48,7 +49,8 @@ std::vector<FrameRange> clip_ranges(const OverdrawReport& report, std::size_t fr
   return ranges;
 }
 
-// At most kMostBins points, or one for every clip where these are more; no point mixes clips.
+// Returns the points of a clip: at most kMostBins over all clips, but at least one per clip. No point mixes
+// clips.
 std::vector<FrameRange> bins_of(const FrameRange& clip, std::size_t frames) {
   const std::size_t share = frames <= kMostBins ? clip.size() : clip.size() * kMostBins / frames;
   const std::size_t count = std::max<std::size_t>(1, share);
@@ -63,7 +65,7 @@ bool is_seen(double overdraw) {
   return std::isfinite(overdraw) && overdraw > 0;
 }
 
-// 0 where nothing was seen.
+// Returns the mean over the frames in which anything was visible; 0 if there is none.
 double mean_of(const std::vector<double>& by_frame, const FrameRange& bin) {
   double sum = 0;
   std::size_t seen = 0;
@@ -115,7 +117,7 @@ class OverdrawCurves {
   [[nodiscard]] std::string svg() const { return titles() + grid() + clip_names() + curves(); }
 
  private:
-  // By row, clip and bin.
+  // Indexed by row, clip and bin.
   using Means = std::vector<std::vector<std::vector<double>>>;
 
   [[nodiscard]] Means means() const {
@@ -141,7 +143,7 @@ class OverdrawCurves {
     return most;
   }
 
-  // Frame f is the stretch from x(f) to x(f + 1).
+  // Returns where a frame begins: frame f extends from x(f) to x(f + 1).
   [[nodiscard]] double x(double frame) const {
     return kChartLeft + (kChartRight - kChartLeft) * frame / static_cast<double>(frames_);
   }
@@ -165,7 +167,7 @@ class OverdrawCurves {
   }
 
   struct ClipName {
-    std::size_t frame = 0;  // that the clip begins with
+    std::size_t frame = 0;  // the first of the clip
     std::string text;
     double left = 0, right = 0;
   };
@@ -175,7 +177,7 @@ class OverdrawCurves {
     return is_named ? report_.clips[clip.clip].name : fmt::format("clip {}", clip.clip);
   }
 
-  // Of the clips, in places that do not overlap; long clips choose first.
+  // Returns names of clips in places that do not overlap. Long clips choose first.
   [[nodiscard]] std::vector<ClipName> placed_names() const {
     std::vector<FrameRange> longest_first = clips_;
     std::stable_sort(longest_first.begin(), longest_first.end(),
@@ -214,7 +216,8 @@ class OverdrawCurves {
     return svg;
   }
 
-  // Broken where nothing was seen: a lone point is as wide as its bin.
+  // Returns the lines of a clip, which are broken where nothing was visible. A lone point is drawn as wide as
+  // its bin.
   [[nodiscard]] std::string polylines(const FrameRange& clip, const std::vector<double>& values) const {
     const std::vector<FrameRange> bins = bins_of(clip, frames_);
     std::string svg;
@@ -237,10 +240,10 @@ class OverdrawCurves {
 
   struct Label {
     std::size_t row = 0;
-    double end = 0, y = 0;  // of the curve, of the name
+    double end = 0, y = 0;  // heights of the end of the curve and of the name
   };
 
-  // Of all rows that anything is seen of, beside the ends of their curves but not over each other.
+  // Returns labels for all rows that have a curve, beside the ends of the curves and not over each other.
   [[nodiscard]] std::vector<Label> placed_labels() const {
     std::vector<Label> labels;
     for (std::size_t row = 0; row < means_.size(); ++row) {
@@ -258,7 +261,7 @@ class OverdrawCurves {
     return labels;
   }
 
-  // The first row last, so that no other hides it.
+  // Draws the first row last, so that no other curve hides it.
   [[nodiscard]] std::string curves() const {
     const std::vector<Label> labels = placed_labels();
     std::string svg;
@@ -315,9 +318,9 @@ std::string bars_svg(const OverdrawReport& report, double bottom) {
 }  // namespace
 
 std::size_t OverdrawReport::charted_frames() const {
-  std::size_t frames = 0;
-  for (const OverdrawRow& row : rows) frames = std::max(frames, row.key_frames.by_frame.size());
-  return frames;
+  std::size_t longest = 0;
+  for (const OverdrawRow& row : rows) longest = std::max(longest, row.key_frames.by_frame.size());
+  return longest;
 }
 
 std::string overdraw_chart(const OverdrawReport& report, ChartPlace place) {

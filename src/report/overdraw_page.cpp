@@ -1,4 +1,5 @@
-// Overdraw orders beside their rivals as one self-contained page: see pellucid/overdraw_report.h.
+// The page of overdraw orders: the orders beside the baselines, the chart, and heat maps.
+// In: an overdraw report and heat maps (pellucid/overdraw_report.h). Out: one self-contained HTML page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +18,8 @@ double excess_of(const OverdrawRow& row) {
   return row.key_frames.mean - 1;
 }
 
-// What excess is compared with: the paper's method, else meshoptimizer's. Null: neither was measured.
+// Returns the row that excess is compared with: the paper's method, otherwise meshoptimizer's. Null if
+// neither was measured.
 const OverdrawRow* reference_row(const OverdrawReport& report) {
   for (const char* name : {"paper", "meshopt"}) {
     for (const OverdrawRow& row : report.rows)
@@ -58,7 +60,7 @@ std::string headline(const OverdrawReport& report) {
   if (report.measured_viewpoints > 0) {
     text += fmt::format(" Measured from {} that the orders were not made from, in {}.",
                         plural(report.measured_viewpoints, "random viewpoint"),
-                        plural(report.measured_images, "picture"));
+                        plural(report.measured_images, "image"));
   }
   return text + "</p>";
 }
@@ -73,7 +75,7 @@ std::string tiles(const OverdrawReport& report) {
     text += tile(share_text(ours, *reference), fmt::format("of the excess of {}, {}", reference->name,
                                                            overdraw_text(reference->key_frames.mean)));
   }
-  text += tile(overdraw_text(ours.key_frames.max), "overdraw of the worst picture");
+  text += tile(overdraw_text(ours.key_frames.max), "overdraw of the worst image");
   text += tile(format_fixed(ours.acmr, 3),
                fmt::format("vertices transformed per triangle (ACMR), FIFO {}", report.cache_size));
   if (report.memory_bytes > 0) {
@@ -83,7 +85,7 @@ std::string tiles(const OverdrawReport& report) {
   return text + "</div>";
 }
 
-// A column is left out where no row has anything to say in it.
+// Returns the table of methods. Columns without any value are left out.
 std::string table(const OverdrawReport& report) {
   const OverdrawRow* reference = reference_row(report);
   const bool has_between = std::any_of(report.rows.begin(), report.rows.end(),
@@ -92,7 +94,7 @@ std::string table(const OverdrawReport& report) {
       "<div class=\"scroll\"><table><thead><tr><th>method</th><th>buffers</th><th>ACMR</th><th>mean "
       "overdraw</th><th>excess</th>";
   if (reference != nullptr) text += "<th>of the excess<br/>of " + escape_html(reference->name) + "</th>";
-  text += "<th>worst picture</th>";
+  text += "<th>worst image</th>";
   if (has_between) text += "<th>between<br/>key frames</th><th>worst there</th>";
   text += "</tr></thead><tbody>";
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
@@ -113,7 +115,7 @@ std::string table(const OverdrawReport& report) {
   return text + "</tbody></table></div>";
 }
 
-// Of the names that OverdrawRival has; others need none.
+// Returns an explanation of the methods that the library has; null for other names.
 const char* explanation_of(const std::string& name) {
   if (name == "refined") return "patches of triangles by measured overdraw, cut where it pays";
   if (name == "paper") return "patches of triangles by summed distance (Han and Sander 2017)";
@@ -130,7 +132,7 @@ std::string methods_section(const OverdrawReport& report) {
   std::string text =
       "<h2>Methods side by side</h2><p class=\"note\">Overdraw: fragments shaded per pixel covered, with a "
       "depth "
-      "test. Excess is what lies above 1, the fragments shaded in vain. ACMR: vertices transformed per "
+      "test. Excess is what lies above 1, the wasted fragments. ACMR: vertices transformed per "
       "triangle "
       "drawn, mean over the buffers. Less is better everywhere.</p>";
   text += table(report) + "<dl>";
@@ -149,32 +151,32 @@ std::string chart_section(const OverdrawReport& report) {
             "viewpoints; the number beside a name is the mean of all. Where a curve is broken, nothing was "
             "in "
             "view.</p>"
-          : "<h2>In one picture</h2><p class=\"note\">Bars start at 1: their length is the excess.</p>";
+          : "<h2>In one chart</h2><p class=\"note\">Bars start at 1: their length is the excess.</p>";
   return words + "<div class=\"scroll\">" + overdraw_chart(report, ChartPlace::page) + "</div>";
 }
 
 std::string heat_legend() {
-  std::string text = "<ul class=\"keys\"><li>shaded in vain:</li>";
-  for (std::uint32_t vain = 0; vain < kHeatSteps; ++vain) {
-    const Rgb color = heat_color(vain + 1);
+  std::string text = "<ul class=\"keys\"><li>wasted fragments:</li>";
+  for (std::uint32_t wasted = 0; wasted < kHeatSteps; ++wasted) {
+    const Rgb color = heat_color(wasted + 1);
     text += fmt::format("<li><i style=\"background:#{:02x}{:02x}{:02x}\"></i>{}{}</li>", color[0], color[1],
-                        color[2], vain, vain + 1 == kHeatSteps ? "+" : "");
+                        color[2], wasted, wasted + 1 == kHeatSteps ? "+" : "");
   }
   return text + "</ul>";
 }
 
-// A row per method. All rows have the columns of the longest, so that frames stand below each other. Of one
-// pose there is one picture per method: side by side.
+// Returns a row of heat maps per method. All rows have as many columns as the longest one, so that frames
+// stand below each other. With a single pose there is one image per method, and these stand side by side.
 std::string sheet_section(const std::vector<std::vector<HeatMap>>& sheet) {
   std::size_t columns = 0;
   for (const std::vector<HeatMap>& row : sheet) columns = std::max(columns, row.size());
   if (columns == 0) return {};
-  std::string text = "<h2>Where fragments are shaded in vain</h2><p class=\"note\">";
-  text += columns == 1 ? "A picture per method, all from the same viewpoint."
+  std::string text = "<h2>Where fragments are wasted</h2><p class=\"note\">";
+  text += columns == 1 ? "An image per method, all from the same viewpoint."
                        : "A row per method, a column per key frame, all of a column from the same viewpoint.";
   text +=
       " Pale: shaded once, as it has to be. Darker: shaded again, each time by something nearer. Below each "
-      "picture its overdraw.</p>";
+      "image stands its overdraw.</p>";
   text += heat_legend();
   text +=
       fmt::format("<div class=\"sheet\" style=\"grid-template-columns:repeat({},minmax(112px,260px))\">\n",
@@ -212,14 +214,14 @@ std::string settings_section(const OverdrawReport& report) {
                            plural(report.viewpoints, "viewpoint"), report.size,
                            format_count(report.training_views), plural(report.iterations, "iteration")));
   add("measured",
-      plural(report.measured_viewpoints, "viewpoint") + ", " + plural(report.measured_images, "picture"));
+      plural(report.measured_viewpoints, "viewpoint") + ", " + plural(report.measured_images, "image"));
   const OverdrawSeconds& seconds = report.seconds;
   add("orders made in",
-      fmt::format("{}: patches {}, pictures {}, clusters {}, assignment {}", format_seconds(seconds.total),
+      fmt::format("{}: patches {}, images {}, clusters {}, assignment {}", format_seconds(seconds.total),
                   format_seconds(seconds.patches), format_seconds(seconds.raster),
                   format_seconds(seconds.cluster), format_seconds(seconds.assign)));
   add("time in all",
-      fmt::format("{}: read {}, rivals {}, measure {}, write {}", format_seconds(report.seconds_total),
+      fmt::format("{}: read {}, baselines {}, measure {}, write {}", format_seconds(report.seconds_total),
                   format_seconds(report.seconds_read), format_seconds(report.seconds_baselines),
                   format_seconds(report.seconds_measure), format_seconds(report.seconds_write)));
   add("memory", report.peak_rss_bytes > 0 ? format_bytes(report.peak_rss_bytes) + " at most" : "");

@@ -1,4 +1,5 @@
-// Overdraw orders as a table and JSON: see pellucid/overdraw_report.h.
+// Overdraw orders beside the baselines, as a table and JSON.
+// In: an overdraw report (pellucid/overdraw_report.h). Out: text and JSON (docs/json.md).
 #include "pellucid/overdraw_report.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// technique_charts.cpp
+// Techniques as points and bars, and places for the names beside points.
 #include "report/technique_charts.h"
 
 #include <fmt/format.h>
@@ -15,15 +15,15 @@ namespace {
 
 // ---------------------------------------------------------------------------------------- places for names
 
-constexpr double kCharacterWidth = 7;  // of 12 px text, more than most
+constexpr double kCharacterWidth = 7;  // of text of 12 pixels; most characters are narrower
 constexpr double kTextHeight = 14;
-constexpr double kPointRadius = 5;  // with what has to stay free round it
+constexpr double kPointRadius = 5;  // with the space around it that stays free
 constexpr double kNear = 8;
-constexpr double kRing = 14;  // from one ring of places to the next
+constexpr double kRing = 14;  // distance from one ring of places to the next
 constexpr int kRings = 12;
 constexpr int kDirections = 16;
 
-// A name whose nearest edge is `distance` from its point, in the direction of an angle from the right.
+// Returns the box of a name whose nearest edge is `distance` from its point, at an angle from the right.
 LabelBox box_towards(const LabelPoint& point, double angle, double distance) {
   const double width = kCharacterWidth * static_cast<double>(point.name.size());
   const double x = std::cos(angle);
@@ -49,7 +49,7 @@ std::vector<PlacedLabel> places_of(const LabelPoint& point) {
 
 // -------------------------------------------------------------------------------------------------- charts
 
-// Colours of chart_parts.h.
+// Colours of charts.h.
 constexpr std::size_t kExactColor = 0;
 constexpr std::size_t kOtherColor = 1;
 constexpr double kTechniqueWidth = 960;
@@ -66,7 +66,7 @@ std::string svg_of(double height, const std::string& title, const std::string& c
       kTechniqueWidth, height, escape_html(title), kChartStyle, content);
 }
 
-// The title, and what the colours mean at the other end of its line.
+// Returns the title, and at the other end of its line what the colours mean.
 std::string head_svg(const std::string& title) {
   constexpr double kLine = 24;
   const auto key = [](bool exact, double x, const std::string& words) {
@@ -82,8 +82,8 @@ std::string head_svg(const std::string& title) {
 
 constexpr double kCostLeft = 70;
 constexpr double kCostRight = 920;
-constexpr double kLineAt = 136;    // of the exact picture; names stand above it
-constexpr double kErrorTop = 166;  // the best error that can be seen
+constexpr double kLineAt = 136;    // height of the line of the exact image; names stand above it
+constexpr double kErrorTop = 166;  // the highest PSNR below the line
 constexpr double kErrorHeight = 230;
 constexpr double kMarkStep = 10;    // dB, between marks
 constexpr double kNameAngle = -52;  // degrees, of names above the line
@@ -99,7 +99,7 @@ class CostPlot {
 
   [[nodiscard]] double height() const { return bottom_ + 52; }
   [[nodiscard]] std::string svg() const {
-    return head_svg(chart_.title) + grid() + frontier() + equal_points() + other_points();
+    return head_svg(chart_.title) + grid() + pareto_steps() + equal_points() + other_points();
   }
 
  private:
@@ -122,7 +122,7 @@ class CostPlot {
       least = std::min(least, point.psnr);
       most = std::max(most, point.psnr);
     }
-    if (!std::isfinite(least)) return;  // the line is all there is
+    if (!std::isfinite(least)) return;  // all points are on the line
     y0_ = kMarkStep * std::floor(least / kMarkStep);
     y1_ = std::max(kMarkStep * std::ceil(most / kMarkStep), y0_ + kMarkStep);
     bottom_ = kErrorTop + kErrorHeight;
@@ -155,8 +155,8 @@ class CostPlot {
     return svg + text_svg((kCostLeft + kCostRight) / 2, bottom_ + 42, "middle", "small soft", chart_.x_title);
   }
 
-  // Through those that cost least of all that are as good.
-  [[nodiscard]] std::string frontier() const {
+  // Joins the techniques of the Pareto front by steps.
+  [[nodiscard]] std::string pareto_steps() const {
     std::vector<const TechniquePoint*> cheapest_first;
     for (const TechniquePoint& point : chart_.points) cheapest_first.push_back(&point);
     std::stable_sort(cheapest_first.begin(), cheapest_first.end(),
@@ -179,7 +179,7 @@ class CostPlot {
                        kPointSize);
   }
 
-  // Names above the line lean, so that as many fit as there are techniques.
+  // Draws the points on the line. Their names lean, so that there is room for many.
   [[nodiscard]] std::string equal_points() const {
     std::vector<const TechniquePoint*> points;
     std::vector<double> places;
@@ -188,7 +188,7 @@ class CostPlot {
       points.push_back(&point);
       places.push_back(x(point.cost));
     }
-    // The last name leans to the right, too.
+    // The last name needs room on its right as well.
     constexpr double kLean = 50;
     const std::vector<double> names = spread_labels(places, kCostLeft, kCostRight - kLean);
     std::string svg;
@@ -248,7 +248,8 @@ constexpr double kLabelWidth = 108;  // beside the longest bar
 constexpr double kCutAt = 6;         // medians
 constexpr double kLeastBar = 1.5;    // so that its colour shows
 
-// The value of the longest bar: of all, or where one would make the others too short, of those that are cut.
+// Returns the value of the longest bar: the largest value, or less where that would make all other bars too
+// short. Longer bars are cut.
 double bar_end(const std::vector<double>& values) {
   std::vector<double> sorted;
   for (const double value : values)
@@ -274,7 +275,7 @@ std::string column_svg(const BarChart& chart, const BarColumn& column, double le
     }
     svg += group_svg(color_of(chart.exact[i]), false, chart.names[i] + ": " + column.labels[i], content);
     if (std::isfinite(value) && value > end * (1 + 1e-9)) {
-      // A gap that says: this bar is longer.
+      // Draw a gap, which shows that the bar is cut.
       svg += fmt::format("<path d=\"M{:.1f},{:.1f}l6,-15h5l-6,15z\" class=\"ground\"/>", left + longest - 24,
                          top + kRowHeight - 2);
     }

@@ -1,4 +1,5 @@
-// technique_charts.h
+// Charts of techniques: error over cost as points, and measures as bars. Techniques that promise to capture
+// everything have one colour, the others another. In: measures of techniques. Out: SVG.
 #pragma once
 
 #include <functional>
@@ -9,23 +10,23 @@ namespace pellucid {
 
 struct TechniquePoint {
   std::string name, tooltip;
-  bool exact = false;  // by promise
-  bool equal = false;  // nothing can be seen of its error: it stands on the line of the exact picture
+  bool exact = false;  // the technique promises to capture every fragment
+  bool equal = false;  // no visible error: the point stands on the line of the exact image
   double cost = 0;     // above 0
-  double psnr = 0;     // of those that are not equal
+  double psnr = 0;     // not used where `equal` is set
 };
 struct CostChart {
   std::string title, x_title;
   std::function<std::string(double)> x_text;
   std::vector<TechniquePoint> points;
 };
-// Cost along a logarithmic axis, PSNR upwards, and above it a line for all that equal the exact picture.
-// Steps join those that nothing beats in both.
+// Returns a chart with cost along a logarithmic axis, PSNR upwards, and above it a line for all techniques
+// that equal the exact image. Steps join the Pareto front: the techniques that no other beats in both.
 std::string cost_chart_svg(const CostChart& chart);
 
 struct BarColumn {
   std::string title;
-  std::vector<double> values;       // of every row; 0 or more, or not finite: no bar
+  std::vector<double> values;       // one per row: 0 or more; a row without a finite value has no bar
   std::vector<std::string> labels;  // beside the bars
 };
 struct BarChart {
@@ -34,7 +35,7 @@ struct BarChart {
   std::vector<bool> exact;
   std::vector<BarColumn> columns;
 };
-// A row of bars for every technique. Bars that would make all others too short are cut.
+// Returns a row of bars for every technique. Bars that would make all others too short are cut.
 std::string bar_chart_svg(const BarChart& chart);
 
 // ---------------------------------------------------------------------------------------- places for names
@@ -54,12 +55,13 @@ struct LabelPoint {
   std::string name;
 };
 
-// The box of every name, as near to its point as there is room within `area`, and `far`, where a line has to
-// lead to it. Where there is no room left at all, to the right of its point, over what is there.
 struct PlacedLabel {
   LabelBox box;
-  bool far = false;
+  bool far = false;  // a line has to lead from the point to its name
 };
+// Returns a box for the name of every point, as near to the point as there is room within `area`, so that
+// names cover neither each other nor points. Where no room is left, the name stands to the right of its
+// point.
 std::vector<PlacedLabel> place_labels(const std::vector<LabelPoint>& points, const LabelBox& area);
 
 }  // namespace pellucid

@@ -1,4 +1,5 @@
-// Numbers and tables as plain text: see pellucid/report.h.
+// Numbers and tables as plain text, for terminals.
+// In: numbers and cells. Out: text in UTF-8.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 namespace pellucid {
 namespace {
 
-// Terminal columns of UTF-8 text: continuation bytes take none.
+// Returns the number of terminal columns of UTF-8 text. Continuation bytes take none.
 std::size_t display_width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));

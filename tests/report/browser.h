@@ -1,4 +1,4 @@
-// A real browser without a window, for tests of pages with a script.
+// A headless browser, for tests of pages with a script.
 #pragma once
 
 #include <cstdio>
@@ -9,7 +9,7 @@
 
 namespace pellucid::testing {
 
-// Of what a shell command prints; none if it fails.
+// Returns what a shell command prints; nothing if it fails.
 inline std::optional<std::string> output_of(const std::string& command) {
   std::FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return std::nullopt;
@@ -18,16 +18,15 @@ inline std::optional<std::string> output_of(const std::string& command) {
   return ::pclose(pipe) == 0 ? std::optional(text) : std::nullopt;
 }
 
-// The path of Chromium or Chrome; none: it is not installed.
+// Returns the path of Chromium or Chrome; nothing if it is not installed.
 inline std::optional<std::string> find_browser() {
   const auto found = output_of("command -v chromium chromium-browser google-chrome 2>/dev/null | head -n 1");
   if (!found || found->empty()) return std::nullopt;
   return found->substr(0, found->find('\n'));
 }
 
-// What the browser prints or writes of `page` with `action`: "--dump-dom", "--screenshot=FILE". Time in the
-// page runs as fast as the machine can, for as long as its script may need. `folder` holds the browser's own
-// files.
+// Opens `page` with `action` ("--dump-dom" or "--screenshot=FILE") and returns what the browser prints. Time
+// in the page is virtual: it runs as fast as the machine can. `folder` holds the browser's own files.
 inline std::optional<std::string> open_page(const std::string& browser, const std::string& action,
                                             const std::filesystem::path& page,
                                             const std::filesystem::path& folder) {

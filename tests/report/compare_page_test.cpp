@@ -1,4 +1,4 @@
-// The page of techniques side by side: what is in it, and what a browser makes of it.
+// The page of a comparison: its markup, its plots, and its script in a browser.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -45,7 +45,7 @@ TEST(ComparePage, WarnsOfDriversOnTheCpu) {
   EXPECT_NE(compare_html(report).find("runs on the CPU"), std::string::npos);
 }
 
-TEST(ComparePage, ShowsThePicturesThatDifferWithoutAScript) {
+TEST(ComparePage, ShowsTheImagesThatDifferWithoutAScript) {
   const std::string page = compare_html(sample_comparison());
   EXPECT_EQ(occurrences(page, "name=\"pictures0\""), 2U);
   EXPECT_EQ(occurrences(page, "<div class=\"viewer\" hidden=\"hidden\">"), 1U);
@@ -53,15 +53,15 @@ TEST(ComparePage, ShowsThePicturesThatDifferWithoutAScript) {
   EXPECT_NE(page.find("<td colspan=\"16\">stack needs 64-bit atomics</td>"), std::string::npos);
 }
 
-TEST(ComparePage, HoldsAPictureOnce) {
+TEST(ComparePage, EmbedsAnImageOnce) {
   CompareReport report = sample_comparison();
-  ComparedTechnique twin = report.scenes[0].techniques[0];
-  twin.name = "dual";
-  report.scenes[0].techniques.push_back(twin);
+  ComparedTechnique equal = report.scenes[0].techniques[0];
+  equal.name = "dual";
+  report.scenes[0].techniques.push_back(equal);
   const std::string page = compare_html(report);
   EXPECT_EQ(occurrences(page, "src=\""), 3U);
   EXPECT_NE(page.find(">f2b, dual</label>"), std::string::npos);
-  EXPECT_EQ(occurrences(page, "<option value=\"p1\""), 4U);  // both names, in both menus
+  EXPECT_EQ(occurrences(page, "<option value=\"p1\""), 4U);  // both names in both menus
 }
 
 TEST(ComparePage, HasAMatrixOfSeveralScenes) {
@@ -88,7 +88,7 @@ TEST(ComparePage, HeatMapsHaveScalesWithNumbers) {
   report.scenes[0].maps = {{"fragments", "fragments of a pixel", "fragments", 12, {8, 9}}};
   const std::string page = compare_html(report);
   EXPECT_NE(page.find("data-most=\"12\" data-unit=\"fragments\""), std::string::npos);
-  // In steps of 5; the last of them would meet the end.
+  // The steps are 5; the step at 10 is left out, as it would meet the end at 12.
   EXPECT_NE(page.find("<span style=\"left:41.7%\">5</span><span style=\"left:100.0%\">12</span>"),
             std::string::npos);
   EXPECT_NE(page.find("<option value=\"m0\""), std::string::npos);
@@ -96,7 +96,7 @@ TEST(ComparePage, HeatMapsHaveScalesWithNumbers) {
 
 // ------------------------------------------------------------------------------------------------- the plots
 
-TEST(LabelPlaces, AreNotOverEachOther) {
+TEST(LabelPlaces, DoNotOverlap) {
   std::vector<LabelPoint> points;
   for (int row = 0; row < 5; ++row) {
     for (int column = 0; column < 6; ++column)
@@ -111,7 +111,7 @@ TEST(LabelPlaces, AreNotOverEachOther) {
   }
 }
 
-TEST(TechniqueCharts, PutEqualPicturesOnALineAboveErrors) {
+TEST(TechniqueCharts, PutTechniquesThatEqualTheExactImageOnALineAboveErrors) {
   CostChart chart;
   chart.x_text = [](double) { return ""; };
   chart.points = {
@@ -145,7 +145,7 @@ std::vector<std::uint8_t> png_of(const std::array<std::uint8_t, 3>& color, std::
   return encode_png(image);
 }
 
-// Every picture is of one colour.
+// Every image has one colour.
 CompareReport report_of_colors() {
   CompareReport report = sample_comparison();
   ComparedScene& scene = report.scenes[0];
@@ -157,7 +157,7 @@ CompareReport report_of_colors() {
   return report;
 }
 
-// Before the page's script: what it complains of. Events that nobody's hand made have no pointer to capture.
+// Runs before the page's script, and collects its errors. Synthetic events have no pointer to capture.
 constexpr const char* kWatch = R"(<script>
 const complaints = [];
 addEventListener('error', (event) => complaints.push(event.message));
@@ -166,7 +166,7 @@ console.error = (...all) => complaints.push(all.join(' '));
 Element.prototype.setPointerCapture = () => {};
 </script>)";
 
-// After it: uses the viewer as a reader would, and leaves what it saw in the page.
+// Runs after the page's script: uses the viewer as a reader would, and writes what it saw into the page.
 constexpr const char* kProbe = R"(<pre id="probe"></pre><script>
 addEventListener('load', () => {
   const seen = {};
@@ -272,7 +272,7 @@ class ComparePageInBrowser : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(ComparePageInBrowser, LaysTwoPicturesOverEachOther) {
+TEST_F(ComparePageInBrowser, LaysTwoImagesOverEachOther) {
   std::string page = compare_html(report_of_colors());
   page.insert(page.find("<main>"), kWatch);
   page.insert(page.find("</main>"), kProbe);
@@ -311,7 +311,7 @@ TEST_F(ComparePageInBrowser, LaysTwoPicturesOverEachOther) {
   EXPECT_EQ(seen["falling"], (List{"f2b-2p", "ll", "sb", "f2b", "kb"}));
 }
 
-// What the reader sees: the exact picture on the left of the divider alone, the other on its right.
+// The screen shows the exact image only on the left of the divider, and the other image on its right.
 TEST_F(ComparePageInBrowser, ShowsThemOnTheScreen) {
   const std::filesystem::path file = folder_ / "screen.png";
   ASSERT_TRUE(open("--screenshot='" + file.string() + "'", compare_html(report_of_colors())));

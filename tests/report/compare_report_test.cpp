@@ -21,9 +21,9 @@ using testing::first_violation;
 using testing::occurrences;
 using testing::sample_comparison;
 
-// ------------------------------------------------------------------------------------------------ pictures
+// -------------------------------------------------------------------------------------------------- images
 
-TEST(PictureErrors, AreThoseOfSrgbOverCoveredPixels) {
+TEST(ImageErrors, AreThoseOfSrgbOverCoveredPixels) {
   const std::vector<Vec3f> exact{{1, 1, 1}, {0, 0, 0}, {0.5F, 0.5F, 0.5F}};
   EXPECT_EQ(image_error(exact, exact, 2).psnr, 100);
   EXPECT_EQ(image_error(exact, exact, 2).differing, 0U);
@@ -36,7 +36,7 @@ TEST(PictureErrors, AreThoseOfSrgbOverCoveredPixels) {
   EXPECT_EQ(error.differing, 1U);
 }
 
-TEST(PictureErrors, ShowWhereAndHowMuch) {
+TEST(DifferenceImage, IsDarkerForLargerErrors) {
   const Image exact{3, 1, {10, 10, 10, 10, 10, 10, 10, 10, 10}};
   const Image drawn{3, 1, {10, 10, 10, 10, 12, 10, 10, 10, 210}};
   const Image image = difference_image(exact, drawn);
@@ -48,7 +48,7 @@ TEST(PictureErrors, ShowWhereAndHowMuch) {
   EXPECT_EQ(image.rgb[6], 140);
 }
 
-// An error that stays where it is does not flicker; one that comes and goes does.
+// A constant error does not flicker; an error that comes and goes does.
 TEST(Flickering, IsTheChangeOfTheError) {
   const std::vector<Vec3f> white(8, {1, 1, 1});
   const std::vector<Vec3f> black(8, {0, 0, 0});
@@ -61,15 +61,15 @@ TEST(Flickering, IsTheChangeOfTheError) {
   EXPECT_NEAR(moving.mean().value(), 2 * 255, 1e-6);
 }
 
-TEST(PerceivedErrors, AreNoneOfEqualPictures) {
+TEST(PerceivedErrors, AreZeroForEqualImages) {
   const std::vector<Vec3f> exact(12 * 9, {0.2F, 0.7F, 0.4F});
   const PerceivedError error = perceived_error(exact, exact, 12, 9, 108);
   EXPECT_NEAR(error.ssim, 1, 1e-12);
   EXPECT_EQ(error.hyab, 0);
 }
 
-// Of even pictures both have a closed form; half of the pixels are covered, so errors count twice.
-TEST(PerceivedErrors, OfEvenPicturesAreThoseOfTheFormulas) {
+// For images of one colour both have a closed form. Half of the pixels are covered, so errors count twice.
+TEST(PerceivedErrors, OfImagesOfOneColourFollowTheFormulas) {
   const std::vector<Vec3f> white(12 * 9, {1, 1, 1});
   const std::vector<Vec3f> black(12 * 9, {0, 0, 0});
   const PerceivedError error = perceived_error(white, black, 12, 9, 54);
@@ -80,7 +80,7 @@ TEST(PerceivedErrors, OfEvenPicturesAreThoseOfTheFormulas) {
   EXPECT_NEAR(perceived_error(white, red, 12, 9, 108).hyab, 100 - 53.24 + 104.55, 0.02);
 }
 
-// A shifted edge spoils the structure; the same step spread over the picture does not.
+// A shifted edge changes the structure; the same error spread over the image does not.
 TEST(PerceivedErrors, SsimSeesStructure) {
   std::vector<Vec3f> exact;
   std::vector<Vec3f> shifted;
@@ -95,7 +95,7 @@ TEST(PerceivedErrors, SsimSeesStructure) {
   EXPECT_GT(perceived_error(exact, darker, 32, 32, 1024).ssim, 0.9);
 }
 
-// One pixel with two fragments of three in one place, in any sequence, and one with none.
+// One pixel has three fragments, unsorted, two of them at one depth; the other pixel has none.
 TEST(FragmentMaps, CountFragmentsAndCoplanarOnes) {
   RenderResult result;
   result.width = 2;
@@ -134,7 +134,7 @@ TEST(BudgetMaps, AreDarkerForMore) {
 
 TEST(CompareReport, RatiosAreToTheFastestThatCapturesAll) {
   const CompareReport report = sample_comparison();
-  // `sb` is faster, but lost some; `f2b` does not promise all.
+  // `sb` is faster, but lost fragments; `f2b` does not promise to capture all.
   ASSERT_NE(report.scenes[0].fastest_exact(), nullptr);
   EXPECT_EQ(report.scenes[0].fastest_exact()->name, "ll");
   const json written = json::parse(to_json(report));
@@ -145,7 +145,7 @@ TEST(CompareReport, RatiosAreToTheFastestThatCapturesAll) {
   EXPECT_EQ(written["scenes"][0]["mean_depth"], 5);
 }
 
-TEST(CompareReport, TheTableHasARowForEverybody) {
+TEST(CompareReport, TheTableHasARowForEveryTechnique) {
   const std::string text = to_text(sample_comparison());
   EXPECT_NE(text.find("f2b           no  1.0   0.25       2       0  12.3 KB     15.4       700  0.7000"),
             std::string::npos)
@@ -191,7 +191,7 @@ TEST(CompareReport, JsonFollowsItsSchema) {
   EXPECT_EQ(first_violation(json::parse(to_json(CompareReport{})), schema), "");
 }
 
-TEST(CompareReport, JsonNamesTheFilesOfPictures) {
+TEST(CompareReport, JsonNamesTheFilesOfImages) {
   CompareReport report = sample_comparison("a b");
   EXPECT_TRUE(json::parse(to_json(report))["scenes"][0]["picture"].is_null());
   report.scenes.push_back(report.scenes.front());

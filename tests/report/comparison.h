@@ -1,4 +1,4 @@
-// A report of techniques that nothing had to be drawn for.
+// A comparison made by hand, without rendering, for the tests of the module `report`.
 #pragma once
 
 #include <string>

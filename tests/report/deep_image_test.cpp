@@ -1,4 +1,4 @@
-// Deep pictures: what OpenEXR reads of a file is what was drawn, and composites to the same picture.
+// Deep images: OpenEXR reads from the file what was drawn, and it composites to the same image.
 #include "pellucid/deep_image.h"
 
 #include <OpenEXR/ImfDeepFrameBuffer.h>
@@ -34,7 +34,7 @@ RenderScene two_sheets() {
   return scene;
 }
 
-class DeepPictures : public ::testing::Test {
+class DeepImages : public ::testing::Test {
  protected:
   void SetUp() override {
     camera_ = look_at_sphere({{0, 0, 0}, 1.5}, {normalized(Vec3d{0, 0, 1}), 3}, 24, 16);
@@ -47,7 +47,7 @@ class DeepPictures : public ::testing::Test {
   DeepImage deep_;
 };
 
-TEST_F(DeepPictures, TellAllOfAPixel) {
+TEST_F(DeepImages, HoldAllFragmentsOfAPixel) {
   const auto left = deep_.at(10, 8);
   ASSERT_EQ(left.size(), 2U);
   EXPECT_EQ(left[0].object, 0U);
@@ -61,33 +61,33 @@ TEST_F(DeepPictures, TellAllOfAPixel) {
   EXPECT_TRUE(deep_.at(0, 0).empty());
 }
 
-TEST_F(DeepPictures, FragmentsWithoutColoursAreRefused) {
+TEST_F(DeepImages, NeedColours) {
   drawn_.fragments.colors.clear();
   EXPECT_THROW(make_deep_image(drawn_, scene_, camera_), Error);
 }
 
-// All channels of a file, fragment by fragment.
+// Reads all channels of a file, fragment by fragment.
 DeepImage read_deep_exr(const std::string& path) {
   Imf::DeepScanLineInputFile file(path.c_str());
   const Imath::Box2i window = file.header().dataWindow();
-  DeepImage picture{
+  DeepImage image{
       static_cast<std::uint32_t>(window.max.x + 1), static_cast<std::uint32_t>(window.max.y + 1), {0}, {}};
-  const std::size_t pixels = std::size_t{picture.width} * picture.height;
+  const std::size_t pixels = std::size_t{image.width} * image.height;
   std::vector<std::uint32_t> counts(pixels);
   Imf::DeepFrameBuffer buffer;
   buffer.insertSampleCountSlice(
-      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 4 * std::size_t{picture.width}));
+      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 4 * std::size_t{image.width}));
   file.setFrameBuffer(buffer);
   file.readPixelSampleCounts(0, window.max.y);
-  for (const std::uint32_t count : counts) picture.offsets.push_back(picture.offsets.back() + count);
-  picture.fragments.resize(picture.offsets.back());
+  for (const std::uint32_t count : counts) image.offsets.push_back(image.offsets.back() + count);
+  image.fragments.resize(image.offsets.back());
   std::vector<std::vector<char*>> places;
   const auto take = [&](const char* name, Imf::PixelType type, auto member) {
     std::vector<char*>& rows = places.emplace_back();
     for (std::size_t p = 0; p < pixels; ++p)
-      rows.push_back(reinterpret_cast<char*>(member(picture.fragments.data() + picture.offsets[p])));
+      rows.push_back(reinterpret_cast<char*>(member(image.fragments.data() + image.offsets[p])));
     buffer.insert(name, Imf::DeepSlice(type, reinterpret_cast<char*>(rows.data()), sizeof(char*),
-                                       sizeof(char*) * picture.width, sizeof(DeepFragment)));
+                                       sizeof(char*) * image.width, sizeof(DeepFragment)));
   };
   for (std::size_t c = 0; c < 4; ++c)
     take(std::array{"R", "G", "B", "A"}.at(c), Imf::FLOAT,
@@ -98,10 +98,10 @@ DeepImage read_deep_exr(const std::string& path) {
   file.setFrameBuffer(buffer);
   file.readPixelSampleCounts(0, window.max.y);
   file.readPixels(0, window.max.y);
-  return picture;
+  return image;
 }
 
-TEST_F(DeepPictures, ReadBackFromTheFile) {
+TEST_F(DeepImages, RoundTripThroughAFile) {
   const std::filesystem::path path = std::filesystem::temp_directory_path() / "pellucid_deep_test.exr";
   write_deep_exr(deep_, path.string());
   const DeepImage read = read_deep_exr(path.string());
@@ -116,7 +116,7 @@ TEST_F(DeepPictures, ReadBackFromTheFile) {
     EXPECT_EQ(found.color[3], wanted.color[3]);
     EXPECT_EQ(found.color[0], wanted.color[0] * wanted.color[3]);
   }
-  // Premultiplied colours over each other and the white background are the picture.
+  // Compositing the premultiplied colours over the white background gives the image.
   for (std::size_t p = 0; p < drawn_.pixels.size(); ++p) {
     Vec3f sum{0, 0, 0};
     float through = 1;
@@ -131,7 +131,7 @@ TEST_F(DeepPictures, ReadBackFromTheFile) {
   }
 }
 
-TEST_F(DeepPictures, WhereNothingCanBeWrittenNothingIs) {
+TEST_F(DeepImages, ThrowWhereTheFileCannotBeWritten) {
   try {
     write_deep_exr(deep_, "/nowhere/deep.exr");
     FAIL() << "it was written";

@@ -81,7 +81,7 @@ TEST(FrontierReport, TheSchemaCheckCanFail) {
   EXPECT_NE(first_violation(written, schema_of_frontier()), "");
 }
 
-TEST(FrontierReport, TheTableSaysWhatStandsOut) {
+TEST(FrontierReport, TheTableMarksTheChoiceAndTheKnee) {
   const std::string text = to_text(sample_report());
   const std::vector<std::string> lines = testing::lines_of(text);
   const auto line_of = [&](const std::string& start) {
@@ -110,7 +110,7 @@ TEST(FrontierReport, TheSvgIsWellFormedAndMarksTheChoice) {
   }
 }
 
-TEST(FrontierReport, OnePointIsAPictureToo) {
+TEST(FrontierReport, OnePointGivesAPlotToo) {
   FrontierReport report = sample_report();
   report.max_error = 0;
   OrderFrontier& frontier = report.primitives[0].frontier;

@@ -1,4 +1,4 @@
-// The report page is well formed, safe and self-contained.
+// The page of a measurement is well formed, safe and self-contained.
 #include <gtest/gtest.h>
 
 #include <vector>

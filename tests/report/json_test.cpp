@@ -76,6 +76,8 @@ TEST(JsonContract, OrderOfWhatWasSplit) {
   EXPECT_NE(
       text.find("intersecting pairs 151, left 2; viewpoints with cycles 7 of 162, left 1; 344 triangles"),
       std::string::npos);
+  EXPECT_NE(text.find("344 triangles added, which is the limit of new triangles"), std::string::npos) << text;
+  EXPECT_EQ(text.find("--"), std::string::npos) << "a library does not know options of the command line";
   EXPECT_NE(text.find("no order avoids, as faces intersect or overlap in cycles: 0.40 %"), std::string::npos)
       << text;
 }

@@ -1,4 +1,4 @@
-// Is markup well formed? For the tests of the module `report`.
+// Checks whether markup is well formed, for the tests of the module `report`.
 #pragma once
 
 #include <cctype>
@@ -15,8 +15,8 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// The open element that a wrong end tag meets, "" when tags nest properly from the first `root` on. Void
-// elements must be closed as in XML.
+// Returns the first error in the nesting of tags from the first `root` on; "" if there is none. Void elements
+// must be closed as in XML.
 inline std::string first_nesting_error(const std::string& page, const std::string& root) {
   std::vector<std::string> open;
   std::size_t at = page.find(root);

@@ -28,7 +28,7 @@ OverdrawRow row(const std::string& name, std::vector<double> by_frame) {
   return row;
 }
 
-// One clip after the other, each of so many key frames.
+// Returns a report with clips of these numbers of key frames, one after the other.
 OverdrawReport report_of(const std::vector<std::uint64_t>& clip_lengths, std::vector<OverdrawRow> rows) {
   OverdrawReport report;
   report.input = "dir/knight.glb";
@@ -59,7 +59,7 @@ Rgb pixel(const Image& image, std::uint32_t x, std::uint32_t y) {
   return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// Points of all polylines of the first curve with this tooltip.
+// Returns the points of all polylines of the first curve with this tooltip.
 std::vector<std::string> curve_points(const std::string& svg, const std::string& name) {
   std::vector<std::string> points;
   const std::size_t begin = svg.find("<title>" + name + "</title>");
@@ -74,7 +74,7 @@ std::vector<std::string> curve_points(const std::string& svg, const std::string&
 
 // ------------------------------------------------------------------------------------------------ heat maps
 
-TEST(HeatMapColors, AreTheseAndGrowDarker) {
+TEST(HeatMapColors, AreDarkerForMoreFragments) {
   const Image image = heat_image(map_of(2, {0, 1, 2, 5}));
   EXPECT_EQ(pixel(image, 0, 0), (Rgb{255, 255, 255}));
   EXPECT_EQ(pixel(image, 1, 0), (Rgb{218, 228, 239}));
@@ -186,7 +186,7 @@ TEST(OverdrawChart, GivesNamesToLongClipsFirst) {
             std::string::npos);
 }
 
-// Heights of the names beside the curves.
+// Returns the heights of the names beside the curves, sorted.
 std::vector<double> label_heights(const std::string& svg) {
   std::vector<double> heights;
   constexpr std::string_view kLabel = "<text x=\"818.0\" y=\"";

@@ -1,5 +1,5 @@
-// Charts with named curves as SVG, and the parts that charts share: text, lines, colours and places for
-// names. In: points, names and axes. Out: SVG.
+// Charts with named curves, and the parts that charts share: text, lines, colours, axes and places for names.
+// In: points, names and axes. Out: SVG.
 #pragma once
 
 #include <cstddef>

@@ -37,7 +37,7 @@ std::string image_path(const CompareReport& report, std::size_t scene, const std
 
 // ------------------------------------------------------------------------------ techniques over all scenes
 
-// A summary with the sums of its mean.
+// A summary, with the sums from which its geometric mean is made.
 struct Gathered {
   TechniqueSummary summary;
   double log_ratios = 0;

@@ -1,6 +1,6 @@
-// The images of a scene over each other, and its heat maps. compare_viewer.js finds the image of a menu entry
-// by its key (data-picture), and the scale of a heat map in its figure. In: a compared scene
-// (pellucid/compare_report.h). Out: HTML.
+// The images of a scene over each other, and its heat maps.
+// In: a compared scene (pellucid/compare_report.h). Out: HTML, in which compare_viewer.js finds the image of
+// a menu entry by its key (data-picture), and the scale of a heat map in its figure.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What all JSON reports share: keys in the order of the contract, two spaces of indentation, one final
-// newline. In: values of a report. Out: JSON (docs/json.md).
+// What all JSON reports share: the order of keys, two spaces of indentation, one final newline.
+// In: values of a report. Out: JSON (docs/json.md).
 #pragma once
 
 #include <cmath>

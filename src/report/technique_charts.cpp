@@ -237,16 +237,15 @@ class CostPlot {
   double bottom_ = kLineAt + 14;
 };
 
-// -------------------------------------------------------------------------------------------------------
-// bars
+// ---------------------------------------------------------------------------------------------------- bars
 
 constexpr double kBarsTop = 58;
 constexpr double kRowHeight = 19;
 constexpr double kBarThickness = 11;
 constexpr double kNamesWidth = 124;
 constexpr double kLabelWidth = 108;  // beside the longest bar
-constexpr double kCutAt = 6;         // medians
-constexpr double kLeastBar = 1.5;    // so that its colour shows
+constexpr double kCutAt = 6;         // longest bar, as a multiple of the median
+constexpr double kLeastBar = 1.5;    // pixels, so that the colour of a short bar shows
 
 // Returns the value of the longest bar: the largest value, or less where that would make all other bars too
 // short. Longer bars are cut.

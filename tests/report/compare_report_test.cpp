@@ -1,4 +1,4 @@
-// Capture techniques side by side as text, JSON after its schema, and a page.
+// Capture techniques side by side: image errors, heat maps, text, JSON by its schema, and charts.
 #include "pellucid/compare_report.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(PerceivedErrors, OfImagesOfOneColourFollowTheFormulas) {
 }
 
 // A shifted edge changes the structure; the same error spread over the image does not.
-TEST(PerceivedErrors, SsimSeesStructure) {
+TEST(PerceivedErrors, SsimRespondsToStructure) {
   std::vector<Vec3f> exact;
   std::vector<Vec3f> shifted;
   std::vector<Vec3f> darker;
@@ -227,7 +227,7 @@ TEST(CurveCharts, RunLogarithmicallyAndBreakWhereNothingWasMeasured) {
   EXPECT_EQ(occurrences(svg, "<circle"), 5U);
 }
 
-TEST(CurveCharts, SharesRunFromNothingToAll) {
+TEST(CurveCharts, AxesOfSharesRunFromZeroToOne) {
   CurveChart chart;
   chart.x_values = {1, 2};
   chart.x_text = chart.y_text = [](double) { return ""; };

@@ -15,7 +15,7 @@
 namespace pellucid {
 namespace {
 
-// Two sheets, the far one behind half of the near one, and a triangle that is in no pixel twice.
+// Two sheets. The far one lies behind half of the near one.
 RenderScene two_sheets() {
   RenderScene scene;
   const auto add_sheet = [&](float z, float right, std::uint32_t object) {

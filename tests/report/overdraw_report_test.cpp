@@ -114,7 +114,7 @@ TEST(ContactSheet, TakesRowsAndMapsOfDifferentSize) {
     EXPECT_EQ(pixel(image, x, y), nothing) << x << ' ' << y;
 }
 
-TEST(ContactSheet, OfNothingIsEmptyAndWrongSizesAreRefused) {
+TEST(ContactSheet, IsEmptyWithoutMapsAndRefusesWrongSizes) {
   EXPECT_TRUE(contact_sheet({}).rgb.empty());
   EXPECT_TRUE(contact_sheet({{}, {}}).rgb.empty());
   EXPECT_THROW(contact_sheet({{map_of(2, {1, 1, 1})}}), Error);
@@ -196,8 +196,8 @@ std::vector<double> label_heights(const std::string& svg) {
   return heights;
 }
 
-TEST(OverdrawChart, LabelsDoNotLieOverEachOther) {
-  // Nine names in one place at the top, in the middle and at the bottom; at last more than fit.
+TEST(OverdrawChart, LabelsDoNotOverlap) {
+  // Nine names in one place: at the top, in the middle, at the bottom. Finally more names than fit.
   for (const auto& [value, count] : {std::pair{1.5, 9}, {1.25, 9}, {1.0, 9}, {1.25, 30}}) {
     std::vector<OverdrawRow> rows{row("low", {1, 1}), row("high", {1.5, 1.5})};
     for (int i = 0; i < count; ++i) rows.push_back(row("m" + std::to_string(i), {value, value}));
@@ -223,7 +223,7 @@ TEST(OverdrawChart, DrawsBarsForAStaticMesh) {
   EXPECT_EQ(testing::first_nesting_error(svg, "<svg"), "");
 }
 
-TEST(OverdrawChart, TakesWhatIsEmptyOrTooShort) {
+TEST(OverdrawChart, TakesEmptyAndShortRows) {
   EXPECT_NE(overdraw_chart({}).find("Nothing was measured."), std::string::npos);
   OverdrawReport report = report_of({3}, {row("a", {}), row("b", {1.5, 1.5}), row("c", {1, 1, 1})});
   report.frames.resize(1);

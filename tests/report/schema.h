@@ -17,7 +17,7 @@ inline bool is_of_type(const nlohmann::json& value, const std::string& type) {
   return type == "array" ? value.is_array() : value.is_object();
 }
 
-// Returns the first violation of a JSON schema, for the keywords that our schemas use; "" if there is none.
+// Returns the first violation of a JSON schema, for the keywords that the schemas use; "" if there is none.
 inline std::string first_violation(const nlohmann::json& value, const nlohmann::json& schema,
                                    const std::string& at = "$") {
   if (schema.contains("type")) {

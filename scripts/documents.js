@@ -1,4 +1,4 @@
-// What the scripts that make tables share: putting a table between <!-- NAME --> and <!-- /NAME --> of a document.
+// Shared by the scripts that make tables: puts a table between <!-- NAME --> and <!-- /NAME --> of a document.
 'use strict';
 const fs = require('fs');
 const path = require('path');

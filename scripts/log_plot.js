@@ -1,4 +1,4 @@
-// Plots of measurements on logarithmic axes, side by side, as one SVG.
+// Draws plots of measurements on logarithmic axes, side by side, as one SVG.
 'use strict';
 
 const panel = {width: 330, height: 250, left: 52, top: 34, gap: 60};

@@ -4,10 +4,10 @@
 #include <cstring>
 #include <filesystem>
 
+#include "asset/formats/text_cursor.h"
 #include "asset/glb.h"
 #include "asset/gltf_json.h"
 #include "asset/json_fields.h"
-#include "asset/text_cursor.h"
 #include "asset/uri.h"
 
 namespace pellucid {

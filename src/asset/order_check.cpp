@@ -6,7 +6,7 @@
 #include <functional>
 #include <set>
 
-#include "asset/text_cursor.h"
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {

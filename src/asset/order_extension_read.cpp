@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "asset/facing_table.h"
+#include "asset/formats/text_cursor.h"
 #include "asset/order_extension.h"
-#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

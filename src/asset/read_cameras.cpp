@@ -1,8 +1,8 @@
 // Cameras of a glTF model: see pellucid/model_camera.h.
 #include <cmath>
 
+#include "asset/formats/text_cursor.h"
 #include "asset/gltf_scene.h"
-#include "asset/text_cursor.h"
 #include "pellucid/model_camera.h"
 
 namespace pellucid {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 
+#include "asset/formats/reader.h"
 #include "asset/gltf_primitive.h"
 #include "asset/gltf_scene.h"
 #include "asset/order_extension.h"
-#include "asset/readers.h"
 
 namespace pellucid {
 namespace {
@@ -126,10 +126,22 @@ class GltfModelReader {
   std::vector<std::size_t> first_primitive_;  // of every mesh, and the end
 };
 
-}  // namespace
-
 Model read_gltf(const std::string& path, const ReadOptions& options) {
   return GltfModelReader(path, options).read();
+}
+
+// A .glb names itself; a .gltf is recognised as JSON by its first character.
+bool begins_as_gltf(std::string_view bytes) {
+  if (bytes.starts_with("glTF")) return true;
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && bytes[first] == '{';
+}
+
+}  // namespace
+
+FormatReader gltf_reader() {
+  return {"gltf", {".glb", ".gltf"}, begins_as_gltf, read_gltf};
 }
 
 }  // namespace pellucid

@@ -4,16 +4,16 @@
 #include <filesystem>
 #include <map>
 
+#include "asset/formats/images.h"
+#include "asset/formats/text_cursor.h"
 #include "asset/gltf_deformation.h"
-#include "asset/picture_file.h"
-#include "asset/text_cursor.h"
 #include "asset/uri.h"
 #include "pellucid/material.h"
 
 namespace pellucid {
 namespace {
 
-constexpr std::uint64_t kLargestPictureFile = std::uint64_t{1} << 28U;
+constexpr std::uint64_t kLargestImageFile = std::uint64_t{1} << 28U;
 
 // A texture as a material uses it.
 struct TextureUse {
@@ -147,7 +147,7 @@ class MaterialReader {
   std::optional<std::uint32_t> texture_of(std::uint64_t index) {
     if (const auto found = textures_.find(index); found != textures_.end()) return found->second;
     const Fields texture = root_.element("textures", index);
-    const std::optional<std::uint32_t> picture = picture_of(texture);
+    const std::optional<std::uint32_t> picture = image_of(texture);
     std::optional<std::uint32_t> number;
     if (picture) {
       number = static_cast<std::uint32_t>(result_.textures.size());
@@ -196,20 +196,20 @@ class MaterialReader {
     return TextureWrap::repeat;
   }
 
-  std::optional<std::uint32_t> picture_of(const Fields& texture) {
+  std::optional<std::uint32_t> image_of(const Fields& texture) {
     const auto source = texture.find_index("source");
     if (!source) {
-      note(texture, "has no picture that is read");
+      note(texture, "has no image that is read");
       return {};
     }
-    if (const auto found = pictures_.find(*source); found != pictures_.end()) return found->second;
+    if (const auto found = images_.find(*source); found != images_.end()) return found->second;
     const Fields image = root_.element("images", *source);
     std::optional<std::uint32_t> number;
     if (std::optional<RgbaImage> picture = decode(image)) {
       number = static_cast<std::uint32_t>(result_.images.size());
       result_.images.push_back(std::move(*picture));
     }
-    return pictures_[*source] = number;
+    return images_[*source] = number;
   }
 
   std::optional<RgbaImage> decode(const Fields& image) {
@@ -226,7 +226,7 @@ class MaterialReader {
       if (!read_beside(image, uri, storage)) return {};
       file = storage;
     }
-    if (!is_picture(file)) {
+    if (!is_image(file)) {
       note(image, "is neither PNG nor JPEG");
       return {};
     }
@@ -235,10 +235,10 @@ class MaterialReader {
       return {};
     }
     try {
-      RgbaImage picture = decode_picture(file, texels_left_);
+      RgbaImage picture = decode_image(file, texels_left_);
       texels_left_ -= std::uint64_t{picture.width} * picture.height;
       return picture;
-    } catch (const PictureError& error) {
+    } catch (const ImageFileError& error) {
       image.fail(error.what());
     }
   }
@@ -252,7 +252,7 @@ class MaterialReader {
       note(image, "the file " + in_quotes(*relative, kLongestUri) + " is missing");
       return false;
     }
-    file = read_file(path.string(), kLargestPictureFile);
+    file = read_file(path.string(), kLargestImageFile);
     return true;
   }
 
@@ -266,7 +266,7 @@ class MaterialReader {
   std::uint64_t texels_left_;
   Materials result_;
   // By their numbers in the file; none where they cannot be read.
-  std::map<std::uint64_t, std::optional<std::uint32_t>> textures_, pictures_;
+  std::map<std::uint64_t, std::optional<std::uint32_t>> textures_, images_;
 };
 
 }  // namespace

@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <numeric>
 
+#include "asset/formats/text_cursor.h"
 #include "asset/gltf_edit.h"
 #include "asset/gltf_usage.h"
 #include "asset/minimal_document.h"
 #include "asset/order_arrays.h"
 #include "asset/order_check.h"
 #include "asset/split_attributes.h"
-#include "asset/text_cursor.h"
 
 namespace pellucid {
 namespace {

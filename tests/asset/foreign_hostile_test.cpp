@@ -26,13 +26,13 @@ TEST(HostilePly, Header) {
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999999999999\n"),
             ": line 3: bad element count '99999999999999999999'");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nproperty float x\n"),
-            ": line 3: a property before any element");
+            ": line 3: the property stands before any element");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty quaternion x\n"),
             ": line 4: unknown property type 'quaternion'");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n"),
             ": line 4: a list's count must be an integer type");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n"),
-            ": line 4: a property without a name");
+            ": line 4: the property has no name");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\n\x01\x02garbage\n"),
             ": line 3: unknown word '\?\?garbage' in the PLY header");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
@@ -56,7 +56,7 @@ TEST(HostilePly, CountsThatTheFileCannotHold) {
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "4000000000 0 1 2\n"),
             ": face 1 of 1 is cut off (the file ends at line 13)");
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "-3 0 1 2\n"),
-            ": line 13: bad list length");
+            ": line 13: the length of the list is not a whole number");
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "3 0 1 2\n",
                       {.max_elements = 2}),
             ": 3 vertices; the limit is 2");

@@ -1,19 +1,166 @@
-// PLY (Turk 1994): ascii and binary of both byte orders, polygons and triangle strips, any scalar types;
-// elements and properties that are not geometry are skipped.
+// Reads PLY files (Turk, "The PLY polygon file format", 1994): text and binary of both byte orders, polygons
+// and triangle strips, any scalar types. Skips elements and properties that are not geometry.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "asset/foreign_model.h"
-#include "asset/ply_header.h"
-#include "asset/readers.h"
-#include "asset/text_cursor.h"
+#include "asset/formats/foreign_model.h"
+#include "asset/formats/reader.h"
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
 
-// The two ways in which scalars follow each other. Both throw where the file ends.
+enum class PlyFormat { ascii, binary_little_endian, binary_big_endian };
+enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+std::size_t byte_size(PlyType type) {
+  switch (type) {
+    case PlyType::int8:
+    case PlyType::uint8:
+      return 1;
+    case PlyType::int16:
+    case PlyType::uint16:
+      return 2;
+    case PlyType::int32:
+    case PlyType::uint32:
+    case PlyType::float32:
+      return 4;
+    case PlyType::float64:
+      break;
+  }
+  return 8;
+}
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::float32;
+  std::optional<PlyType> count_type;  // of a list
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  // Returns the least size of one such element in the file. A word of text takes a byte and a separator.
+  [[nodiscard]] std::uint64_t least_bytes(PlyFormat format) const {
+    std::uint64_t bytes = 0;
+    for (const PlyProperty& property : properties) {
+      bytes += format == PlyFormat::ascii ? 2 : byte_size(property.count_type.value_or(property.type));
+    }
+    return bytes;
+  }
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::ascii;
+  std::vector<PlyElement> elements;
+  std::size_t body_begin = 0;   // byte where the data begins
+  std::uint64_t body_line = 0;  // its line
+};
+
+constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{{"char", PlyType::int8},
+                                                                           {"int8", PlyType::int8},
+                                                                           {"uchar", PlyType::uint8},
+                                                                           {"uint8", PlyType::uint8},
+                                                                           {"short", PlyType::int16},
+                                                                           {"int16", PlyType::int16},
+                                                                           {"ushort", PlyType::uint16},
+                                                                           {"uint16", PlyType::uint16},
+                                                                           {"int", PlyType::int32},
+                                                                           {"int32", PlyType::int32},
+                                                                           {"uint", PlyType::uint32},
+                                                                           {"uint32", PlyType::uint32},
+                                                                           {"float", PlyType::float32},
+                                                                           {"float32", PlyType::float32},
+                                                                           {"double", PlyType::float64},
+                                                                           {"float64", PlyType::float64}}};
+
+PlyType read_type(TextCursor& cursor) {
+  const std::string_view word = cursor.token_on_line();
+  const auto* const found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
+                                         [&](const auto& entry) { return entry.first == word; });
+  if (found == kTypeNames.end()) throw cursor.error("unknown property type " + in_quotes(word));
+  return found->second;
+}
+
+PlyFormat read_format(TextCursor& cursor) {
+  const std::string_view word = cursor.token_on_line();
+  if (word == "ascii") return PlyFormat::ascii;
+  if (word == "binary_little_endian") return PlyFormat::binary_little_endian;
+  if (word == "binary_big_endian") return PlyFormat::binary_big_endian;
+  throw cursor.error("unknown PLY format " + in_quotes(word));
+}
+
+PlyElement read_element(TextCursor& cursor) {
+  PlyElement element;
+  element.name = cursor.token_on_line();
+  const std::string_view word = cursor.token_on_line();
+  const std::optional<std::int64_t> count = parse_integer(word);
+  if (!count || *count < 0) throw cursor.error("bad element count " + in_quotes(word));
+  element.count = static_cast<std::uint64_t>(*count);
+  return element;
+}
+
+PlyProperty read_property(TextCursor& cursor) {
+  PlyProperty property;
+  TextCursor ahead = cursor;
+  if (ahead.token_on_line() == "list") {
+    cursor = ahead;
+    property.count_type = read_type(cursor);
+    if (*property.count_type == PlyType::float32 || *property.count_type == PlyType::float64) {
+      throw cursor.error("a list's count must be an integer type");
+    }
+  }
+  property.type = read_type(cursor);
+  property.name = cursor.token_on_line();
+  if (property.name.empty()) throw cursor.error("the property has no name");
+  return property;
+}
+
+// Parses the header. Throws Error{bad_input} naming the line.
+PlyHeader parse_ply_header(std::string_view text, const std::string& path) {
+  TextCursor cursor(path, text, '\0');
+  if (cursor.token_on_line() != "ply") throw Error(ErrorKind::bad_input, path + ": not a PLY file");
+  cursor.skip_line();
+
+  PlyHeader header;
+  bool has_format = false;
+  while (!cursor.at_end()) {
+    const std::string_view keyword = cursor.token_on_line();
+    if (keyword == "end_header") {
+      if (!has_format) throw cursor.error("the PLY header has no format line");
+      cursor.skip_line();
+      header.body_begin = text.size() - cursor.remaining();
+      header.body_line = cursor.line();
+      return header;
+    }
+    if (keyword == "format") {
+      header.format = read_format(cursor);
+      has_format = true;
+    } else if (keyword == "element") {
+      header.elements.push_back(read_element(cursor));
+    } else if (keyword == "property") {
+      if (header.elements.empty()) throw cursor.error("the property stands before any element");
+      header.elements.back().properties.push_back(read_property(cursor));
+    } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
+      throw cursor.error("unknown word " + in_quotes(keyword) + " in the PLY header");
+    }
+    cursor.skip_line();
+  }
+  throw Error(ErrorKind::bad_input, path + ": the PLY header has no end (end_header is missing)");
+}
+
+// Reads scalars that follow each other as text. Throws EndOfData where the file ends.
 class AsciiScalars {
  public:
   AsciiScalars(const std::string& path, std::string_view text, const PlyHeader& header)
@@ -48,6 +195,7 @@ class AsciiScalars {
   std::uint64_t first_line_;
 };
 
+// The same for scalars that follow each other as bytes.
 class BinaryScalars {
  public:
   BinaryScalars(std::string_view text, const PlyHeader& header)
@@ -251,7 +399,8 @@ class PlyBody {
   std::uint64_t list_length(const PlyProperty& property) {
     const double length = scalars_.next(*property.count_type);
     if (!(length >= 0) || length != std::floor(length)) {
-      throw Error(ErrorKind::bad_input, path_ + ": " + scalars_.place() + ": bad list length");
+      throw Error(ErrorKind::bad_input,
+                  path_ + ": " + scalars_.place() + ": the length of the list is not a whole number");
     }
     const double room = static_cast<double>(scalars_.remaining() + 1) /
                         static_cast<double>(Scalars::least_bytes(property.type));
@@ -346,8 +495,6 @@ class PlyBody {
   IndexLists faces_, strips_;
 };
 
-}  // namespace
-
 Model read_ply(const std::string& path, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_model_file(path);
   const std::string_view text = text_of(bytes);
@@ -356,6 +503,16 @@ Model read_ply(const std::string& path, const ReadOptions& options) {
     return PlyBody(path, header, AsciiScalars(path, text, header)).read(options);
   }
   return PlyBody(path, header, BinaryScalars(text, header)).read(options);
+}
+
+bool begins_as_ply(std::string_view bytes) {
+  return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
+}
+
+}  // namespace
+
+FormatReader ply_reader() {
+  return {"ply", {".ply"}, begins_as_ply, read_ply};
 }
 
 }  // namespace pellucid

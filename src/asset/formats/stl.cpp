@@ -1,14 +1,14 @@
-// STL, text and binary. Corners with bit-equal positions become one vertex; facet normals are left out,
-// because they follow from the corners.
+// Reads STL files, text and binary. Corners with bit-equal positions become one vertex; facet normals are
+// left out, because they follow from the corners.
 #include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cstring>
 #include <limits>
 
-#include "asset/foreign_model.h"
-#include "asset/readers.h"
-#include "asset/text_cursor.h"
+#include "asset/formats/foreign_model.h"
+#include "asset/formats/reader.h"
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -159,8 +159,6 @@ void weld(Mesh& mesh) {
   mesh.positions = std::move(positions);
 }
 
-}  // namespace
-
 Model read_stl(const std::string& path, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_model_file(path);
   const std::string_view text = text_of(bytes);
@@ -179,6 +177,12 @@ Model read_stl(const std::string& path, const ReadOptions& options) {
   weld(primitive.mesh);
   add_primitive(model, std::move(primitive));
   return model;
+}
+
+}  // namespace
+
+FormatReader stl_reader() {
+  return {"stl", {".stl"}, nullptr, read_stl};
 }
 
 }  // namespace pellucid

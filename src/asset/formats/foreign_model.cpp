@@ -1,5 +1,5 @@
-// What the readers of PLY, OBJ, STL and OFF share: see foreign_model.h.
-#include "asset/foreign_model.h"
+// Implements foreign_model.h: limits, polygons as triangles, normals and notes.
+#include "asset/formats/foreign_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,17 +1,17 @@
-// OBJ (Wavefront): polygons with positions and normals, one primitive per material; materials' colour and
-// opacity from the MTL files beside it. Texture coordinates, lines, points and free-form surfaces are left
-// out.
+// Reads OBJ files (Wavefront): polygons with positions and normals, one primitive per material, and the
+// colour and opacity of materials from the MTL files beside the model. Leaves out texture coordinates, lines,
+// points and free-form surfaces.
 #include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 
-#include "asset/foreign_model.h"
-#include "asset/obj_material.h"
-#include "asset/readers.h"
-#include "asset/text_cursor.h"
+#include "asset/formats/foreign_model.h"
+#include "asset/formats/reader.h"
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -140,7 +140,7 @@ class ObjParser {
     return corner;
   }
 
-  // From 1, or negative: counted back from the latest.
+  // Indices count from 1, or, where they are negative, back from the latest vertex.
   std::uint32_t parse_index(std::string_view text, std::string_view word, std::size_t count,
                             Highest& highest) {
     const std::optional<std::int64_t> value = parse_integer(text);
@@ -221,14 +221,12 @@ class PrimitiveBuilder {
   bool has_normals_ = false;
 };
 
-using Materials = std::map<std::string, ObjMaterial, std::less<>>;
-
 // Reads one MTL file beside the model; devices and pipes are left alone. False where it cannot be read.
-bool read_library(const std::filesystem::path& path, Materials& materials) {
+bool read_library(const std::filesystem::path& path, ObjMaterials& materials) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status)) return false;
   try {
-    parse_materials(text_of(read_file(path.string(), kLargestMaterialFile)), materials);
+    parse_obj_materials(text_of(read_file(path.string(), kLargestMaterialFile)), materials);
   } catch (const Error&) {
     return false;
   }
@@ -236,9 +234,9 @@ bool read_library(const std::filesystem::path& path, Materials& materials) {
 }
 
 // The rest of an mtllib line is one name with blanks, or several names.
-Materials read_libraries(const ObjFile& file, Model& model) {
+ObjMaterials read_libraries(const ObjFile& file, Model& model) {
   const std::filesystem::path folder = std::filesystem::path(model.path).parent_path();
-  Materials materials;
+  ObjMaterials materials;
   std::set<std::string> seen;
   for (const std::string& names : file.libraries) {
     if (seen.size() >= kMostMaterialFiles) break;
@@ -264,7 +262,7 @@ void add_notes(const ObjFile& file, Model& model) {
     model.notes.push_back(counted(file.free_form, "free-form curve or surface") + " left out");
 }
 
-void add_primitives(const ObjFile& file, const Materials& materials, Model& model) {
+void add_primitives(const ObjFile& file, const ObjMaterials& materials, Model& model) {
   std::vector<PrimitiveBuilder> builders(file.material_names.size(), PrimitiveBuilder(file));
   std::size_t begin = 0;
   for (const ObjFile::Face& face : file.faces) {
@@ -299,7 +297,36 @@ void add_primitives(const ObjFile& file, const Materials& materials, Model& mode
   }
 }
 
-}  // namespace
+// The next number of the line if there is one, between 0 and 1.
+std::optional<float> unit_number(TextCursor& cursor) {
+  const std::optional<float> value = parse_float(cursor.token_on_line());
+  if (!value || !(*value == *value)) return {};
+  return std::clamp(*value, 0.0F, 1.0F);
+}
+
+// "Kd r g b", or one number for all three.
+void read_diffuse(TextCursor& cursor, ObjMaterial& material) {
+  const std::optional<float> red = unit_number(cursor);
+  if (!red) return;
+  const float green = unit_number(cursor).value_or(*red);
+  const float blue = unit_number(cursor).value_or(*red);
+  material.base_color = {*red, green, blue, material.base_color[3]};
+}
+
+// "d 0.5" or "d -halo 0.5".
+void read_dissolve(TextCursor& cursor, ObjMaterial& material, bool& has_dissolve) {
+  TextCursor ahead = cursor;
+  if (ahead.token_on_line() == "-halo") cursor = ahead;
+  const std::optional<float> opacity = unit_number(cursor);
+  if (!opacity) return;
+  material.base_color[3] = *opacity;
+  has_dissolve = true;
+}
+
+void read_transparency(TextCursor& cursor, ObjMaterial& material, bool has_dissolve) {
+  const std::optional<float> transparency = unit_number(cursor);
+  if (transparency && !has_dissolve && *transparency < 1.0F) material.base_color[3] = 1.0F - *transparency;
+}
 
 Model read_obj(const std::string& path, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_model_file(path);
@@ -311,6 +338,30 @@ Model read_obj(const std::string& path, const ReadOptions& options) {
   add_primitives(file, read_libraries(file, model), model);
   add_notes(file, model);
   return model;
+}
+
+}  // namespace
+
+void parse_obj_materials(std::string_view text, ObjMaterials& materials) {
+  TextCursor cursor("", text, '#');
+  ObjMaterial* material = nullptr;
+  bool has_dissolve = false;
+  while (!cursor.at_end()) {
+    const std::string_view keyword = cursor.token_on_line();
+    if (keyword == "newmtl") {
+      material = &(materials[std::string(cursor.rest_of_line())] = {});
+      has_dissolve = false;
+    } else if (material != nullptr) {
+      if (keyword == "Kd") read_diffuse(cursor, *material);
+      if (keyword == "d") read_dissolve(cursor, *material, has_dissolve);
+      if (keyword == "Tr") read_transparency(cursor, *material, has_dissolve);
+    }
+    cursor.skip_line();
+  }
+}
+
+FormatReader obj_reader() {
+  return {"obj", {".obj"}, nullptr, read_obj};
 }
 
 }  // namespace pellucid

@@ -1,5 +1,5 @@
-// Words and numbers of a text file: see text_cursor.h.
-#include "asset/text_cursor.h"
+// Implements text_cursor.h: words and numbers of a text file.
+#include "asset/formats/text_cursor.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,8 +1,8 @@
-// OFF (Geomview's object file format): OFF, COFF, NOFF, STOFF and their combinations as text; polygons,
-// comments.
-#include "asset/foreign_model.h"
-#include "asset/readers.h"
-#include "asset/text_cursor.h"
+// Reads OFF files (Geomview's object file format) as text: OFF, COFF, NOFF, STOFF and their combinations,
+// with polygons and comments.
+#include "asset/formats/foreign_model.h"
+#include "asset/formats/reader.h"
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -98,8 +98,6 @@ void read_faces(TextCursor& cursor, const OffHeader& header, Model& model, Mesh&
   note_short_faces(short_faces, model);
 }
 
-}  // namespace
-
 Model read_off(const std::string& path, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_model_file(path);
   TextCursor cursor(path, text_of(bytes), '#');
@@ -120,6 +118,12 @@ Model read_off(const std::string& path, const ReadOptions& options) {
   repair_normals(primitive.mesh);
   add_primitive(model, std::move(primitive));
   return model;
+}
+
+}  // namespace
+
+FormatReader off_reader() {
+  return {"off", {".off"}, nullptr, read_off};
 }
 
 }  // namespace pellucid

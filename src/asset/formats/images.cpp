@@ -1,11 +1,14 @@
-// Pictures: see picture_file.h. PNG by libpng's simplified interface, JPEG by libjpeg.
-#include "asset/picture_file.h"
+// Implements images.h and the image files of pellucid/asset.h and pellucid/material.h. PNG is read and
+// written through libpng's simplified interface, JPEG is read through libjpeg.
+#include "asset/formats/images.h"
 
 #include <png.h>
 
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
+#include <vector>
 
 #ifdef PELLUCID_WITH_JPEG
 #include <jpeglib.h>
@@ -27,10 +30,10 @@ bool begins_with(std::span<const std::byte> file, const std::array<unsigned char
 
 void check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_texels) {
   const std::string size = std::to_string(width) + " x " + std::to_string(height) + " texels";
-  if (width == 0 || height == 0) throw PictureError("it has " + size);
+  if (width == 0 || height == 0) throw ImageFileError("it has " + size);
   if (height > max_texels / width) {
-    throw PictureError("it has " + size + ", and all pictures together may have " +
-                       std::to_string(max_texels));
+    throw ImageFileError("it has " + size + ", and all images together may have " +
+                         std::to_string(max_texels));
   }
 }
 
@@ -43,26 +46,26 @@ RgbaImage decode_png(std::span<const std::byte> file, std::uint64_t max_texels) 
     ~Free() { png_image_free(image); }
   } const free{&header};
   if (png_image_begin_read_from_memory(&header, file.data(), file.size()) == 0)
-    throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
+    throw ImageFileError(std::string("as a PNG it is damaged: ") + header.message);
   check_size(header.width, header.height, max_texels);
   header.format = PNG_FORMAT_RGBA;
-  RgbaImage picture{header.width, header.height, {}};
-  picture.rgba.resize(PNG_IMAGE_SIZE(header));
-  if (png_image_finish_read(&header, nullptr, picture.rgba.data(), 0, nullptr) == 0)
-    throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
-  // Of a file that is cut off libpng gives what there is, with a warning.
+  RgbaImage image{header.width, header.height, {}};
+  image.rgba.resize(PNG_IMAGE_SIZE(header));
+  if (png_image_finish_read(&header, nullptr, image.rgba.data(), 0, nullptr) == 0)
+    throw ImageFileError(std::string("as a PNG it is damaged: ") + header.message);
+  // For a file that is cut off, libpng gives the rows that there are, with a warning.
   if ((header.warning_or_error & PNG_IMAGE_WARNING) != 0 &&
       std::string_view(header.message).find("Not enough") != std::string_view::npos)
-    throw PictureError(std::string("as a PNG it is damaged: ") + header.message);
-  return picture;
+    throw ImageFileError(std::string("as a PNG it is damaged: ") + header.message);
+  return image;
 }
 
 #ifdef PELLUCID_WITH_JPEG
 
-// What libjpeg may allocate beside the picture: progressive files are held as coefficients.
+// What libjpeg may allocate beside the image: it holds progressive files as coefficients.
 constexpr long kMostJpegMemory = 1L << 30;
 
-// libjpeg leaves errors by longjmp: nothing with a destructor lives between there and here.
+// libjpeg reports errors by longjmp, so that nothing with a destructor may live between there and here.
 struct JpegReader {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -80,12 +83,12 @@ JpegReader& reader_of(j_common_ptr jpeg) {
   std::longjmp(reader.out, 1);  // NOLINT(modernize-avoid-setjmp-longjmp)
 }
 
-// Level -1: the data is corrupt, and libjpeg would make something up.
+// Level -1 means that the data is corrupt and that libjpeg would guess the rest.
 void on_jpeg_message(j_common_ptr jpeg, int level) {
   if (level < 0) leave_jpeg(jpeg);
 }
 
-// False where libjpeg complains; otherwise the header is read.
+// Reads the header. Returns false where libjpeg reports an error.
 bool begin_jpeg(JpegReader& reader, std::span<const std::byte> file) {
   reader.jpeg.err = jpeg_std_error(&reader.errors);
   reader.errors.error_exit = leave_jpeg;
@@ -100,7 +103,8 @@ bool begin_jpeg(JpegReader& reader, std::span<const std::byte> file) {
   return true;
 }
 
-// `rgb` has room for the whole picture.
+// Decodes all rows into `rgb`, which has room for the whole image. Returns false where libjpeg reports an
+// error.
 bool decode_rows(JpegReader& reader, std::uint8_t* rgb) {
   if (setjmp(reader.out) != 0) return false;
   reader.jpeg.out_color_space = JCS_RGB;
@@ -121,54 +125,80 @@ RgbaImage decode_jpeg(std::span<const std::byte> file, std::uint64_t max_texels)
     ~Free() { jpeg_destroy_decompress(jpeg); }
   } const free{&reader.jpeg};
   const auto complain = [&] {
-    throw PictureError(std::string("as a JPEG it is damaged: ") + reader.message.data());
+    throw ImageFileError(std::string("as a JPEG it is damaged: ") + reader.message.data());
   };
   if (!begin_jpeg(reader, file)) complain();
   check_size(reader.jpeg.image_width, reader.jpeg.image_height, max_texels);
-  RgbaImage picture{reader.jpeg.image_width, reader.jpeg.image_height, {}};
-  const std::size_t texels = std::size_t{picture.width} * picture.height;
+  RgbaImage image{reader.jpeg.image_width, reader.jpeg.image_height, {}};
+  const std::size_t texels = std::size_t{image.width} * image.height;
   std::vector<std::uint8_t> rgb(3 * texels);
   if (!decode_rows(reader, rgb.data())) complain();
-  picture.rgba.resize(4 * texels, 255);
-  for (std::size_t i = 0; i < texels; ++i) std::copy_n(&rgb[3 * i], 3, &picture.rgba[4 * i]);
-  return picture;
+  image.rgba.resize(4 * texels, 255);
+  for (std::size_t i = 0; i < texels; ++i) std::copy_n(&rgb[3 * i], 3, &image.rgba[4 * i]);
+  return image;
 }
 
 #else
 
 RgbaImage decode_jpeg(std::span<const std::byte> /*file*/, std::uint64_t /*max_texels*/) {
-  throw PictureError("it is a JPEG, and this build of pellucid cannot read JPEG (PELLUCID_JPEG is off)");
+  throw ImageFileError("it is a JPEG, and this build of pellucid cannot read JPEG (PELLUCID_JPEG is off)");
 }
 
 #endif
 
 }  // namespace
 
-bool is_picture(std::span<const std::byte> file) {
+bool is_image(std::span<const std::byte> file) {
   return begins_with(file, kPngBegins) || begins_with(file, kJpegBegins);
 }
 
 bool can_decode(std::span<const std::byte> file) {
 #ifdef PELLUCID_WITH_JPEG
-  return is_picture(file);
+  return is_image(file);
 #else
   return begins_with(file, kPngBegins);
 #endif
 }
 
-RgbaImage decode_picture(std::span<const std::byte> file, std::uint64_t max_texels) {
+RgbaImage decode_image(std::span<const std::byte> file, std::uint64_t max_texels) {
   return begins_with(file, kPngBegins) ? decode_png(file, max_texels) : decode_jpeg(file, max_texels);
 }
 
 RgbaImage read_image(const std::string& path) {
   constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 27U;
   const std::vector<std::byte> file = read_file(path);
-  if (!is_picture(file)) throw Error(ErrorKind::bad_input, path + ": neither PNG nor JPEG");
+  if (!is_image(file)) throw Error(ErrorKind::bad_input, path + ": it is neither a PNG nor a JPEG");
   try {
-    return decode_picture(file, kMostTexels);
-  } catch (const PictureError& error) {
+    return decode_image(file, kMostTexels);
+  } catch (const ImageFileError& error) {
     throw Error(ErrorKind::bad_input, path + ": " + error.what());
   }
+}
+
+std::vector<std::uint8_t> encode_png(const Image& image) {
+  if (image.width == 0 || image.height == 0 ||
+      image.rgb.size() != std::size_t{3} * image.width * image.height) {
+    throw Error(ErrorKind::bad_argument, "an image of " + std::to_string(image.width) + " x " +
+                                             std::to_string(image.height) + " pixels with " +
+                                             std::to_string(image.rgb.size()) + " bytes cannot be a PNG");
+  }
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = image.width;
+  header.height = image.height;
+  header.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::vector<std::uint8_t> bytes(size);
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.rgb.data(), 0, nullptr) == 0) {
+    throw Error(ErrorKind::internal, std::string("libpng: ") + header.message);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+void write_png(const Image& image, const std::string& path) {
+  const std::vector<std::uint8_t> bytes = encode_png(image);
+  write_file_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace pellucid

@@ -16,7 +16,6 @@
 #include "pellucid/animation.h"
 #include "pellucid/asset.h"
 #include "pellucid/material.h"
-#include "pellucid/model_camera.h"
 #include "pellucid/scene.h"
 
 namespace pellucid::fuzz {

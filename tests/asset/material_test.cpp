@@ -1,4 +1,5 @@
-// Materials of glTF and OBJ files: textures of all forms, and pictures that are damaged or absurd.
+// Materials of glTF and OBJ files, with textures of all forms and images that are damaged or absurd; PNG
+// files.
 #include "pellucid/material.h"
 
 #ifdef PELLUCID_WITH_JPEG
@@ -7,7 +8,11 @@
 #include <cstdio>  // jpeglib.h needs it
 #endif
 
+#include <png.h>
+
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "gltf_helpers.h"
 #include "pellucid/asset.h"
@@ -85,8 +90,8 @@ Json& texture_info(HandMade& file) {
   return file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
 }
 
-void embed(HandMade& file, const Bytes& picture) {
-  const std::size_t view = file.view(picture);
+void embed(HandMade& file, const Bytes& image) {
+  const std::size_t view = file.view(image);
   file.json["images"] = Json::array({{{"bufferView", view}, {"mimeType", "image/png"}}});
 }
 
@@ -216,7 +221,7 @@ TEST_F(MaterialFiles, TransmissionIsBlended) {
   EXPECT_EQ(materials.primitives.at(0).base_color[3], 0.25F);
 }
 
-TEST_F(MaterialFiles, DamagedPicturesAreTold) {
+TEST_F(MaterialFiles, NamesDamagedImages) {
   for (const Bytes& whole : images_of_all_formats()) {
     for (const std::size_t kept : {std::size_t{12}, whole.size() / 2, whole.size() - 20}) {
       HandMade file = textured();
@@ -290,6 +295,42 @@ TEST_F(MaterialFiles, ObjColorsAndOpacities) {
   EXPECT_EQ(materials.primitives[1].alpha_mode, AlphaMode::opaque);
   EXPECT_TRUE(materials.primitives[1].known);
   EXPECT_FALSE(materials.primitives[2].known);
+}
+
+TEST(Png, ComesBackFromAFileAsWritten) {
+  Image image{13, 7, {}};
+  Random random(3);
+  for (std::size_t i = 0; i < 3 * 13 * 7; ++i)
+    image.rgb.push_back(static_cast<std::uint8_t>(random.below(256)));
+  const std::string path = ::testing::TempDir() + "/pellucid_round_trip.png";
+  write_png(image, path);
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&header, path.c_str()), 0);
+  EXPECT_EQ(header.format, static_cast<png_uint_32>(PNG_FORMAT_RGB));
+  header.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> read(PNG_IMAGE_SIZE(header));
+  ASSERT_NE(png_image_finish_read(&header, nullptr, read.data(), 0, nullptr), 0);
+  EXPECT_EQ(header.width, 13U);
+  EXPECT_EQ(header.height, 7U);
+  EXPECT_EQ(read, image.rgb);
+
+  std::ifstream file(path, std::ios::binary);
+  const std::string stored((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::vector<std::uint8_t> bytes = encode_png(image);
+  EXPECT_EQ(stored, std::string(bytes.begin(), bytes.end()));
+  std::filesystem::remove(path);
+}
+
+TEST(Png, RefusesImagesAndPathsThatCannotBeWritten) {
+  EXPECT_THROW(encode_png({0, 0, {}}), Error);
+  EXPECT_THROW(encode_png({2, 2, {1, 2, 3}}), Error);
+  try {
+    write_png({1, 1, {1, 2, 3}}, "/nonexistent-folder/image.png");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::cannot_write);
+  }
 }
 
 }  // namespace

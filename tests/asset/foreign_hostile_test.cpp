@@ -1,4 +1,5 @@
-// PLY, OBJ, STL and OFF from hostile hands: every complaint with its place, and thousands of damaged files.
+// Damaged and hostile PLY, OBJ, STL and OFF files: every error message with its place, and thousands of
+// damaged files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ const std::string kPlyVertices =
 const std::string kPlyFaces = "element face 1\nproperty list uchar int vertex_indices\n";
 const std::string kTriangle = "0 0 0\n1 0 0\n0 1 0\n";
 
-TEST(HostilePly, Header) {
+TEST(HostilePly, NamesTheLineOfABadHeader) {
   EXPECT_EQ(complaint("a.ply", ""), ": the file is empty");
   EXPECT_EQ(complaint("a.ply", "plywood\n"), ": not a PLY file");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"),
@@ -43,7 +44,7 @@ TEST(HostilePly, Header) {
             ": the element 'face' has no list vertex_indices or vertex_index");
 }
 
-TEST(HostilePly, CountsThatTheFileCannotHold) {
+TEST(HostilePly, RefusesCountsThatTheFileCannotHold) {
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n";
   EXPECT_EQ(complaint("a.ply", header + "property float z\nend_header\n" + kTriangle),
@@ -67,7 +68,7 @@ TEST(HostilePly, CountsThatTheFileCannotHold) {
             1U);
 }
 
-TEST(HostilePly, BodyNamesElementAndPlace) {
+TEST(HostilePly, NamesElementAndPlaceInTheBody) {
   EXPECT_EQ(complaint("a.ply", kPlyVertices + "end_header\n0.123 0.123 0.123\n1 0 0\n0 1\n"),
             ": vertex 3 of 3 is cut off (the file ends at line 11)");
   EXPECT_EQ(complaint("a.ply", kPlyVertices + "end_header\n0 0 0\n1 zero 0\n0 1 0\n"),

@@ -112,7 +112,7 @@ class MaterialFiles : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(MaterialFiles, EmbeddedPng) {
+TEST_F(MaterialFiles, ReadsEmbeddedPng) {
   HandMade file = textured();
   embed(file, png_of(3, 2));
   const Materials materials = read(file);
@@ -132,7 +132,7 @@ TEST_F(MaterialFiles, EmbeddedPng) {
 
 #ifdef PELLUCID_WITH_JPEG
 
-TEST_F(MaterialFiles, JpegInADataUri) {
+TEST_F(MaterialFiles, ReadsJpegInADataUri) {
   HandMade file = textured();
   // Base64 by hand: six bits a letter.
   const Bytes jpeg = jpeg_of(16, {200, 40, 90});
@@ -168,7 +168,7 @@ TEST_F(MaterialFiles, JpegIsLeftOutWithANoteInABuildWithoutIt) {
 
 #endif
 
-TEST_F(MaterialFiles, FileBesideTheModel) {
+TEST_F(MaterialFiles, ReadsFilesBesideTheModel) {
   HandMade file = textured();
   write_file_atomically(folder_ / "a b.png", png_of(4, 4));
   file.json["images"] = Json::array({{{"uri", "a%20b.png"}}});
@@ -181,7 +181,7 @@ TEST_F(MaterialFiles, FileBesideTheModel) {
   EXPECT_THAT(without.notes[0], HasSubstr("missing.png"));
 }
 
-TEST_F(MaterialFiles, SamplersCoordinatesAndTransforms) {
+TEST_F(MaterialFiles, ReadsSamplersCoordinatesAndTransforms) {
   HandMade file = textured();
   embed(file, png_of(2, 2));
   file.json["samplers"] = Json::parse(R"([{"wrapS":33071,"wrapT":33648,"magFilter":9728,"minFilter":9985}])");
@@ -200,7 +200,7 @@ TEST_F(MaterialFiles, SamplersCoordinatesAndTransforms) {
   EXPECT_NEAR(materials.primitives.at(0).texcoords.at(1)[1], 0.25 - 2, 1e-6);
 }
 
-TEST_F(MaterialFiles, VertexColors) {
+TEST_F(MaterialFiles, ReadsVertexColors) {
   HandMade file = textured();
   embed(file, png_of(2, 2));
   const std::size_t view = file.view<std::uint8_t>({255, 0, 0, 255, 0, 255, 0, 51, 0, 0, 255, 0});
@@ -282,7 +282,7 @@ TEST_F(MaterialFiles, AttributesThatDoNotFitAreRefused) {
   EXPECT_NE(complaint(file), "");
 }
 
-TEST_F(MaterialFiles, ObjColorsAndOpacities) {
+TEST_F(MaterialFiles, ReadsColorsAndOpacitiesOfObj) {
   write_file_atomically(folder_ / "m.mtl",
                         std::string_view("newmtl glass\nKd 0.1 0.2 0.3\nd 0.5\nnewmtl wood\nKd 1 0 0\n"));
   write_file_atomically(folder_ / "m.obj",

@@ -1,4 +1,4 @@
-// Orders in glTF files: what is written is read again, in every encoding, and comes off again without a
+// Orders in glTF files: orders are read as they were written, in every encoding, and can be removed without a
 // trace.
 #include "gltf_helpers.h"
 
@@ -124,7 +124,7 @@ TEST_P(EveryForm, ComesBackAsWritten) {
   }
 }
 
-TEST_P(EveryForm, ComesOffWithoutATrace) {
+TEST_P(EveryForm, IsRemovedWithoutATrace) {
   Random random(11);
   HandMade file = pyramid();
   file.json["extras"] =
@@ -255,7 +255,7 @@ TEST(OrderFiles, MeshoptStreamsAreWhatTheExtensionSays) {
   EXPECT_FALSE(json_of(folder / "b.glb").contains("extensionsUsed"));
 }
 
-TEST(OrderFiles, UnawareViewersOnlyNeedTheMainFile) {
+TEST(OrderFiles, ViewersThatDoNotKnowOrdersNeedOnlyTheMainFile) {
   const TempFolder folder;
   Random random(5);
   const Mesh mesh = random_mesh(random, 30, 40);
@@ -351,7 +351,7 @@ TEST(OrderBase, StripsFansAndPlainVerticesBecomeLists) {
   }
 }
 
-TEST(OrderNodes, DuplicatesAndCoincidentTwinsResolveInOrder) {
+TEST(OrderNodes, ResolvesDuplicatesAndCoincidentFacingsInOrder) {
   const TempFolder folder;
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

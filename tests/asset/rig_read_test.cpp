@@ -1,5 +1,5 @@
-// Reading what moves a glTF model: every legal form of joints, morph targets and key frames, everything else
-// a clear refusal.
+// Reading what moves a glTF model: every legal form of joints, morph targets and key frames is read, and all
+// other files are refused with a clear message.
 #include "pellucid/animation.h"
 #include "rigs.h"
 
@@ -214,7 +214,7 @@ TEST(RigAnimations, OtherFormatsHaveNone) {
   EXPECT_FALSE(rig.primitives.empty());
 }
 
-TEST(RigPrimitives, SplitBeforeReadingIsTheCallersMistake) {
+TEST(RigPrimitives, RefusesPrimitivesThatWereSplit) {
   const TempFolder folder;
   Model model = read_model(ribbon().save(folder / "rig.glb"));
   model.primitives[0].new_vertices.emplace();

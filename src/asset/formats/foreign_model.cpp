@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLargestEarClipping = 4096;
 
-// Newell's normal, as long as twice the polygon's area.
+// Returns Newell's normal. It is as long as twice the polygon's area.
 Vec3d polygon_normal(std::span<const std::uint32_t> corners, std::span<const Vec3f> positions) {
   const Vec3d origin = to_double(positions[corners[0]]);
   Vec3d sum;
@@ -70,8 +70,8 @@ class EarClipper {
   void clip(std::vector<Triangle>& triangles) {
     std::size_t left = corners_.size();
     std::size_t at = 0;
-    // A full round without an ear happens only on polygons that cut themselves: then any corner goes. So it
-    // does where a hostile polygon has used up its tests.
+    // A full round without an ear happens only for polygons that intersect themselves. Then any corner is
+    // clipped. The same holds for a hostile polygon that has used up its tests.
     std::size_t fruitless = 0;
     std::size_t tests_left = 8 * left;
     while (left > 3) {
@@ -95,7 +95,7 @@ class EarClipper {
     double x = 0, y = 0;
   };
 
-  // Drop the axis along which the normal is longest; swap the others where that keeps the turn left.
+  // Drops the axis along which the normal is longest, and swaps the others where that keeps left turns left.
   void project(std::span<const Vec3f> positions, const Vec3d& normal) {
     const Vec3d size{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -110,7 +110,7 @@ class EarClipper {
     }
   }
 
-  // > 0: a, b, c turn left.
+  // Returns more than 0 where a, b, c turn left.
   [[nodiscard]] double turn(std::size_t a, std::size_t b, std::size_t c) const {
     return (points_[b].x - points_[a].x) * (points_[c].y - points_[a].y) -
            (points_[b].y - points_[a].y) * (points_[c].x - points_[a].x);
@@ -126,7 +126,7 @@ class EarClipper {
     if (!(turn(a, b, c) > 0)) return false;
     for (std::size_t p = next_[c]; p != a; p = next_[p]) {
       const bool inside = turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-      // Corners that touch the ear's own corners (holes joined by a bridge) do not block it.
+      // Corners at the same place as the ear's own corners (holes joined by a bridge) do not block it.
       if (inside && !same_point(p, a) && !same_point(p, b) && !same_point(p, c)) return false;
     }
     return true;
@@ -181,7 +181,7 @@ void require_at_most(std::uint64_t count, const std::string& what, const std::st
 
 void require_fits(std::uint64_t count, std::uint64_t least_bytes_each, std::uint64_t bytes_left,
                   const std::string& what, const std::string& path) {
-  // The last line may lack its end.
+  // The last line may have no line end.
   const std::uint64_t most = (bytes_left + 1) / std::max<std::uint64_t>(least_bytes_each, 1);
   if (count <= most) return;
   throw Error(ErrorKind::bad_input, path + ": the header declares " + std::to_string(count) + " " + what +

@@ -40,7 +40,7 @@ void check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_tex
 RgbaImage decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
-  // Frees what libpng holds, whatever happens.
+  // Frees what libpng holds, also where an error is thrown.
   struct Free {
     png_image* image;
     ~Free() { png_image_free(image); }

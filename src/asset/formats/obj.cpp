@@ -26,7 +26,7 @@ struct Corner {
   std::uint32_t normal = kNone;
 };
 
-// The file as it stands, before faces become triangles: they may name vertices that follow later.
+// The content of the file. Faces become triangles later, because they may name vertices that follow them.
 struct ObjFile {
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;
@@ -62,7 +62,7 @@ class ObjParser {
   }
 
  private:
-  // The greatest index of any face, and where it stands.
+  // The greatest index of any face, and the line that holds it.
   struct Highest {
     std::uint64_t index = 0;
     std::uint64_t line = 0;
@@ -103,7 +103,7 @@ class ObjParser {
     return {x, y, read_number(what)};
   }
 
-  // Only materials that some face has are counted.
+  // Returns the number of the current material. Only materials that some face has get a number.
   std::uint32_t current_material() {
     if (material_ != kNone) return material_;
     const auto [entry, is_new] =
@@ -128,7 +128,7 @@ class ObjParser {
     }
   }
 
-  // "v", "v/t", "v//n" or "v/t/n".
+  // Parses "v", "v/t", "v//n" or "v/t/n".
   Corner parse_corner(std::string_view word) {
     const std::size_t slash = std::min(word.find('/'), word.size());
     Corner corner;
@@ -171,7 +171,7 @@ class ObjParser {
   Highest highest_position_, highest_normal_;
 };
 
-// The mesh of one material. Each pair of position and normal becomes a vertex, by first use.
+// Builds the mesh of one material. Each pair of position and normal becomes a vertex, numbered by first use.
 class PrimitiveBuilder {
  public:
   explicit PrimitiveBuilder(const ObjFile& file) : file_(file) {}
@@ -233,7 +233,7 @@ bool read_library(const std::filesystem::path& path, ObjMaterials& materials) {
   return true;
 }
 
-// The rest of an mtllib line is one name with blanks, or several names.
+// Reads all material files. The rest of an mtllib line is one name with blanks, or several names.
 ObjMaterials read_libraries(const ObjFile& file, Model& model) {
   const std::filesystem::path folder = std::filesystem::path(model.path).parent_path();
   ObjMaterials materials;
@@ -246,7 +246,8 @@ ObjMaterials read_libraries(const ObjFile& file, Model& model) {
       const std::string name(words.token());
       if (name != names && !seen.insert(name).second) continue;
       if (name == names || !read_library(folder / name, materials)) {
-        model.notes.push_back("material file " + in_quotes(name) + " cannot be read: default colours");
+        model.notes.push_back("material file " + in_quotes(name) +
+                              " cannot be read; default colours are used");
       }
     }
   }
@@ -297,14 +298,14 @@ void add_primitives(const ObjFile& file, const ObjMaterials& materials, Model& m
   }
 }
 
-// The next number of the line if there is one, between 0 and 1.
+// Reads the next number of the line, if there is one, and clamps it to 0..1.
 std::optional<float> unit_number(TextCursor& cursor) {
   const std::optional<float> value = parse_float(cursor.token_on_line());
   if (!value || !(*value == *value)) return {};
   return std::clamp(*value, 0.0F, 1.0F);
 }
 
-// "Kd r g b", or one number for all three.
+// Reads "Kd r g b", or one number for all three.
 void read_diffuse(TextCursor& cursor, ObjMaterial& material) {
   const std::optional<float> red = unit_number(cursor);
   if (!red) return;
@@ -313,7 +314,7 @@ void read_diffuse(TextCursor& cursor, ObjMaterial& material) {
   material.base_color = {*red, green, blue, material.base_color[3]};
 }
 
-// "d 0.5" or "d -halo 0.5".
+// Reads "d 0.5" or "d -halo 0.5".
 void read_dissolve(TextCursor& cursor, ObjMaterial& material, bool& has_dissolve) {
   TextCursor ahead = cursor;
   if (ahead.token_on_line() == "-halo") cursor = ahead;

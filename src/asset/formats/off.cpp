@@ -20,8 +20,8 @@ std::uint64_t parse_count(const TextCursor& cursor, std::string_view word, std::
   return static_cast<std::uint64_t>(*count);
 }
 
-// [ST][C][N]OFF, then the counts of vertices, faces and (unused, often missing) edges. The keyword is
-// optional, and a well-known data set glues the first count to it: "OFF490 518 0".
+// Reads the keyword [ST][C][N]OFF and the numbers of vertices, faces and (unused, often missing) edges. The
+// keyword is optional, and a well-known data set has no blank after it: "OFF490 518 0".
 OffHeader read_header(TextCursor& cursor, const std::string& path) {
   OffHeader header;
   std::string_view word = cursor.token();
@@ -61,7 +61,7 @@ Vec3f read_vector(TextCursor& cursor, std::string_view what) {
   return {x, y, cursor.read_float(what)};
 }
 
-// Colours and texture coordinates fill the rest of a vertex's line.
+// Reads the vertices. Colours and texture coordinates fill the rest of a vertex's line and are skipped.
 void read_vertices(TextCursor& cursor, const OffHeader& header, const std::string& path, Mesh& mesh) {
   mesh.positions.reserve(header.vertices);
   if (header.normals) mesh.normals.reserve(header.vertices);
@@ -73,7 +73,7 @@ void read_vertices(TextCursor& cursor, const OffHeader& header, const std::strin
   }
 }
 
-// A face's colour fills the rest of its line.
+// Reads the faces. A face's colour fills the rest of its line and is skipped.
 void read_faces(TextCursor& cursor, const OffHeader& header, Model& model, Mesh& mesh) {
   std::vector<std::uint32_t> corners;
   std::uint64_t short_faces = 0;

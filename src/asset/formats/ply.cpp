@@ -166,7 +166,7 @@ class AsciiScalars {
   AsciiScalars(const std::string& path, std::string_view text, const PlyHeader& header)
       : cursor_(path, text.substr(header.body_begin), '\0'), first_line_(header.body_line) {}
 
-  // A float32 property becomes the float nearest to its decimal text.
+  // Returns the next number. A float32 property becomes the float nearest to its decimal text.
   double next(PlyType type) {
     const std::string_view word = cursor_.token();
     if (word.empty()) throw EndOfData{};
@@ -177,12 +177,12 @@ class AsciiScalars {
   }
 
   [[nodiscard]] std::uint64_t remaining() const { return cursor_.remaining(); }
-  // At least one character and a separator for each entry of a list.
+  // Each entry of a list takes at least one character and a separator.
   [[nodiscard]] static std::uint64_t least_bytes(PlyType) { return 2; }
   [[nodiscard]] std::string place() const {
     return "line " + std::to_string(first_line_ + cursor_.line() - 1);
   }
-  // What is left after the last element.
+  // Returns whether something is left after the last element.
   bool has_more() { return cursor_.has_more(); }
 
   struct EndOfData {};
@@ -195,7 +195,7 @@ class AsciiScalars {
   std::uint64_t first_line_;
 };
 
-// The same for scalars that follow each other as bytes.
+// Reads scalars that follow each other as bytes. Throws EndOfData where the file ends.
 class BinaryScalars {
  public:
   BinaryScalars(std::string_view text, const PlyHeader& header)
@@ -256,7 +256,7 @@ class BinaryScalars {
   bool swap_;
 };
 
-// Which properties of a vertex are wanted, by their place among its properties.
+// Says which properties of a vertex are read.
 struct VertexLayout {
   std::vector<int> slot;  // per property: 0..2 position, 3..5 normal, -1 skipped
   bool has_normals = false;
@@ -284,7 +284,7 @@ VertexLayout vertex_layout(const PlyElement& element, const std::string& path) {
   return layout;
 }
 
-// The list that holds the corners of faces or strips; properties.size() where there is none.
+// Returns the property that lists the corners of faces or strips; properties.size() where there is none.
 std::size_t index_list(const PlyElement& element) {
   std::size_t p = 0;
   for (; p < element.properties.size(); ++p) {
@@ -294,8 +294,8 @@ std::size_t index_list(const PlyElement& element) {
   return p;
 }
 
-// Polygons or strips one after the other; vertices may follow them in the file, so they are joined at the
-// end.
+// Polygons or strips one after the other. The file may hold their vertices after them, so triangles are made
+// at the end.
 struct IndexLists {
   std::vector<std::int64_t> indices;
   std::vector<std::size_t> ends;
@@ -329,7 +329,7 @@ class PlyBody {
     const std::string what = element.name == "face"     ? "faces"
                              : element.name == "vertex" ? "vertices"
                                                         : "elements '" + element.name + "'";
-    // Nothing is stored for an element without properties, however many there are.
+    // An element without properties takes no bytes, so its count says nothing.
     if (element.properties.empty() && element.name != "vertex") return;
     const VertexLayout layout = element.name == "vertex" ? vertex_layout(element, path_) : VertexLayout{};
     require_fits(element.count, element.least_bytes(header_.format), scalars_.remaining(), what, path_);
@@ -395,7 +395,7 @@ class PlyBody {
     return list;
   }
 
-  // Length of the list that begins here; refused where the rest of the file is shorter.
+  // Reads the length of a list. Throws EndOfData where the rest of the file is shorter than the list.
   std::uint64_t list_length(const PlyProperty& property) {
     const double length = scalars_.next(*property.count_type);
     if (!(length >= 0) || length != std::floor(length)) {
@@ -427,7 +427,8 @@ class PlyBody {
     lists.ends.push_back(lists.indices.size());
   }
 
-  // Numbers that are no index become one that is out of range, to be reported with their face.
+  // Returns a number as an index. A number that cannot be one becomes an index that is out of range, which is
+  // reported with its face.
   static std::int64_t to_index(double value) {
     constexpr double kFarOut = 9e15;  // beyond any uint32, exact in a double
     if (!(std::fabs(value) < kFarOut) || value != std::floor(value))
@@ -463,7 +464,7 @@ class PlyBody {
     note_short_faces(short_faces, model);
   }
 
-  // A negative index ends a strip; every second triangle of a strip is turned round.
+  // Adds the triangles of strips. A negative index ends a strip; every second triangle has the other winding.
   void add_strips() {
     std::size_t begin = 0;
     for (std::size_t s = 0; s < strips_.ends.size(); ++s) {

@@ -1,5 +1,5 @@
-// Internal to the module `asset`: the table of model formats. read_model() takes the reader of a file from
-// it, error messages list the formats from it, and fuzzing (fuzz/readers.cpp) makes a target of each row.
+// Internal to the module `asset`: the table of model formats. read_model() finds the reader of a file in it,
+// error messages list the formats of it, and fuzzing (fuzz/readers.cpp) has a target for each row.
 //
 // To add a format, write one file that defines its FormatReader (formats/off.cpp is the shortest example) and
 // add one line to PELLUCID_MODEL_FORMATS.

@@ -41,7 +41,8 @@ bool looks_like_text(std::string_view bytes) {
   });
 }
 
-// Binary files may begin with "solid", too: the length that the count predicts decides first.
+// Returns whether the file is binary. Binary files may begin with "solid", too, so the length that the count
+// predicts decides first.
 bool is_binary(std::string_view bytes) {
   if (bytes.size() >= kCountEnd &&
       bytes.size() == kCountEnd + kFacetBytes * std::uint64_t{little_endian_at(bytes, kHeaderBytes)}) {
@@ -86,7 +87,7 @@ class AsciiStl {
     while (cursor_.has_more()) read_solid();
     return std::move(mesh_);
   }
-  // Of the first solid; may be empty.
+  // Returns the name of the first solid; it may be empty.
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t short_facets() const { return short_facets_; }
 
@@ -140,7 +141,7 @@ class AsciiStl {
   std::uint64_t short_facets_ = 0;
 };
 
-// One vertex for all corners at a position, numbered by first use.
+// Makes one vertex of all corners at a position. Vertices are numbered by first use.
 void weld(Mesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::uint32_t> first = weld_by_position(mesh.positions);

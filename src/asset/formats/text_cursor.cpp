@@ -19,7 +19,8 @@ std::string_view without_plus(std::string_view text) {
   return text;
 }
 
-// What a decimal number becomes that no double can hold: from_chars says only that it is out of range.
+// Returns infinity or zero for a decimal number that no double can hold. from_chars says only that it is out
+// of range.
 double beyond_double(std::string_view text) {
   const bool negative = text.front() == '-';
   const std::size_t exponent = text.find_first_of("eE");
@@ -74,7 +75,7 @@ bool TextCursor::at_continuation() const {
   return rest.starts_with("\\\n") || rest.starts_with("\\\r\n");
 }
 
-// Blanks, continued line ends, and comments; not the end of the line itself.
+// Skips blanks, continued line ends, and comments, but not the end of the line.
 void TextCursor::skip_blanks() {
   while (at_ < text_.size()) {
     if (is_blank(text_[at_])) {

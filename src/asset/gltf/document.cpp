@@ -26,7 +26,8 @@ constexpr std::size_t kMaxDepth = 128;
 constexpr std::size_t kMaxKeys = 10000;
 constexpr std::size_t kMaxComplaint = 200;  // characters of the parser's own message
 
-// "[json.exception.parse_error.101] parse error at line 1 ..." without the bracket, cut to a line.
+// Returns the text of "[json.exception.parse_error.101] parse error at line 1 ..." after the bracket, cut to
+// a line.
 std::string parser_complaint(const std::string& what) {
   const std::size_t bracket = what.find("] ");
   std::string text = bracket == std::string::npos ? what : what.substr(bracket + 2);
@@ -90,7 +91,7 @@ Json parse_json(std::string_view text, const std::string& file) {
   return json;
 }
 
-// All buffers of one file together, and each of them: the limit of read_file.
+// The limit for each buffer, which is that of read_file(), and for all buffers of a file together.
 constexpr std::uint64_t kMaxBufferBytes = std::uint64_t{8} << 30U;
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
@@ -257,7 +258,7 @@ Bytes to_bytes(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Names from other formats need not be UTF-8; JSON must be.
+// Names from other formats need not be UTF-8, but JSON must be.
 std::string text_of_json(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -306,8 +307,9 @@ class BufferPlacer {
   }
 
  private:
-  // External files stay as they are when the new file lies beside the old one and none of them changes.
-  // Otherwise all get names of the new file's own, so that no other model's file is ever overwritten.
+  // Returns whether external files stay as they are. They do where the new file lies beside the old one and
+  // none of them changes. Otherwise all get names of the new file's own, so that no other model's file is
+  // ever overwritten.
   [[nodiscard]] bool may_keep_external(const std::string& path) const {
     if (glb_ || document_.path.empty() || folder_of(path) != folder_of(document_.path)) return false;
     for (const GltfBuffer& buffer : document_.buffers) {

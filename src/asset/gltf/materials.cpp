@@ -19,7 +19,7 @@ constexpr std::uint64_t kLargestImageFile = std::uint64_t{1} << 28U;
 struct TextureUse {
   std::uint32_t texture = 0;  // index into Materials::textures
   std::uint64_t texcoord = 0;
-  // KHR_texture_transform: scaled, rotated (radians, counter-clockwise), moved.
+  // KHR_texture_transform: coordinates are scaled, rotated (radians, counter-clockwise), then translated.
   std::array<double, 2> scale{1, 1}, offset{0, 0};
   double rotation = 0;
 };

@@ -260,7 +260,7 @@ Model read_gltf(const std::string& path, const ReadOptions& options) {
   return GltfModelReader(path, options).read();
 }
 
-// A .glb names itself; a .gltf is recognised as JSON by its first character.
+// Returns whether it is a .glb, which names itself, or JSON, which begins with a brace.
 bool begins_as_gltf(std::string_view bytes) {
   if (bytes.starts_with("glTF")) return true;
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);

@@ -68,7 +68,7 @@ void append_mean(Elements& e, Meaning meaning, const SplitVertex& vertex) {
   if (meaning == Meaning::normal || meaning == Meaning::tangent) {
     const std::size_t nearest = heaviest_source(vertex);
     Vec3d unit = normalized(Vec3d{mean[0], mean[1], mean[2]});
-    // Opposite directions have no mean.
+    // Opposite directions have no mean, so the nearest one is taken.
     if (unit == Vec3d{})
       unit = {component(e, nearest, 0), component(e, nearest, 1), component(e, nearest, 2)};
     mean[0] = unit.x;

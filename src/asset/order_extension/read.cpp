@@ -191,15 +191,15 @@ class OrderExtensionReader {
     std::optional<FacingTable> table;
     for (std::uint64_t i = 0; i < count; ++i) {
       const Fields order = extension_.element("orders", i);
-      NodeSequence sequence;
+      NodeSequence nodes;
       if (const auto patches = order.find_index("patches")) {
-        sequence = nodes_from_patches(order, *patches, set.facing);
+        nodes = nodes_from_patches(order, *patches, set.facing);
       } else if (const auto indices = order.find_index("indices")) {
         if (!table) table.emplace(mesh_, set.facing);
-        sequence = nodes_from_indices(order, *indices, *table);
+        nodes = nodes_from_indices(order, *indices, *table);
         whole_patches_ = false;
       }  // Neither: the order draws nothing, because no accessor may be empty.
-      set.orders.push_back(std::move(sequence));
+      set.orders.push_back(std::move(nodes));
       if (const auto rank = order.find_index("rank")) set.model_ranks.push_back(rank_of(order, *rank));
     }
     if (!set.model_ranks.empty() && set.model_ranks.size() != count) {
@@ -225,10 +225,10 @@ class OrderExtensionReader {
     if (indices.size() % 3 != 0) {
       order.fail("its " + std::to_string(indices.size()) + " indices are no multiple of 3");
     }
-    NodeSequence sequence(indices.size() / 3);
+    NodeSequence nodes(indices.size() / 3);
     table.start_order();
-    for (std::size_t i = 0; i < sequence.size(); ++i) {
-      const std::size_t at = 3 * (reversed_ ? sequence.size() - 1 - i : i);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const std::size_t at = 3 * (reversed_ ? nodes.size() - 1 - i : i);
       const Triangle corners{indices[at], indices[at + 1], indices[at + 2]};
       const auto node = table.take(corners);
       if (!node) {
@@ -236,9 +236,9 @@ class OrderExtensionReader {
                    std::to_string(corners[1]) + " " + std::to_string(corners[2]) +
                    ") is no facing of a triangle of the primitive, or comes too often");
       }
-      sequence[i] = *node;
+      nodes[i] = *node;
     }
-    return sequence;
+    return nodes;
   }
 
   // Returns the patch offsets: patch p has the triangles patchOffsets[p] to patchOffsets[p + 1] - 1. Without
@@ -282,7 +282,7 @@ class OrderExtensionReader {
     const std::vector<std::uint32_t>& offsets = patch_offsets();
     const std::uint64_t patches = offsets.size() - 1;
     std::vector<bool> drawn(2 * mesh_.triangles.size(), false);
-    NodeSequence sequence;
+    NodeSequence nodes;
     for (const std::uint32_t id : accessors_.read_scalars(accessor)) {
       const bool flipped = id >= patches;
       if (id >= 2 * patches || (flipped && facing == Facing::single)) {
@@ -297,11 +297,11 @@ class OrderExtensionReader {
         const NodeId node = node_of(triangle, flipped);
         if (drawn[node]) order.fail("patch id " + std::to_string(id) + " comes twice");
         drawn[node] = true;
-        sequence.push_back(node);
+        nodes.push_back(node);
       }
     }
-    if (reversed_) std::reverse(sequence.begin(), sequence.end());
-    return sequence;
+    if (reversed_) std::reverse(nodes.begin(), nodes.end());
+    return nodes;
   }
 
   // Reads the table `cellOrders` of `owner`, one row for each key frame.

@@ -1,8 +1,8 @@
 // Internal to the module `asset`: the table of model formats. read_model() finds the reader of a file in it,
 // error messages list the formats of it, and fuzzing (fuzz/readers.cpp) has a target for each row.
 //
-// To add a format, write one file that defines its FormatReader (formats/off.cpp is the shortest example) and
-// add one line to PELLUCID_MODEL_FORMATS.
+// To add a format, write one file that defines its FormatReader (formats/off.cpp is the shortest example;
+// name it in CMakeLists.txt), and add one line to PELLUCID_MODEL_FORMATS.
 #pragma once
 
 #include <span>
@@ -24,8 +24,15 @@ struct FormatReader {
   Model (*read)(const std::string& path, const ReadOptions& options);
 };
 
-// One line per format, in the order in which messages list them: NAME stands for the function NAME_reader().
-#define PELLUCID_MODEL_FORMATS(add) add(gltf) add(ply) add(obj) add(stl) add(off)
+// One line per format, in the order in which messages list them. NAME stands for the function NAME_reader().
+// clang-format off
+#define PELLUCID_MODEL_FORMATS(add) \
+  add(gltf)                         \
+  add(ply)                          \
+  add(obj)                          \
+  add(stl)                          \
+  add(off)
+// clang-format on
 
 #define PELLUCID_DECLARE_READER(name) FormatReader name##_reader();
 PELLUCID_MODEL_FORMATS(PELLUCID_DECLARE_READER)

@@ -1,4 +1,4 @@
-// All files of the corpora, one after the other: what fuzzing once found stays mended.
+// Replays all files of the corpora, so that what fuzzing once found stays fixed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::vector<std::string> files_of(const Target& target) {
 
 class Corpus : public ::testing::TestWithParam<Target> {};
 
-TEST_P(Corpus, IsReadOrComplainedAbout) {
+TEST_P(Corpus, IsReadOrRefused) {
   const std::vector<std::string> files = files_of(GetParam());
   EXPECT_FALSE(files.empty());
   for (const std::string& file : files) {

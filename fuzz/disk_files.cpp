@@ -1,4 +1,4 @@
-// See input_file.h.
+// Implements input_file.h with files on the disk, for corpus_test.
 #include <unistd.h>
 
 #include <cstdio>
@@ -10,7 +10,7 @@
 namespace pellucid::fuzz {
 namespace {
 
-// Goes when the program ends.
+// A folder that is removed when the program ends.
 struct Folder {
   std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("pellucid-fuzz-" + std::to_string(::getpid()));

@@ -1,4 +1,4 @@
-// libFuzzer's door to one target of readers.h: PELLUCID_FUZZ_TARGET names it.
+// Connects libFuzzer with one target of readers.h, which PELLUCID_FUZZ_TARGET names.
 #include <algorithm>
 #include <cstddef>
 

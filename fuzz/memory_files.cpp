@@ -1,5 +1,5 @@
-// See input_file.h. Stands for src/base/file.cpp, whose functions these are: the linker takes the first that
-// it meets.
+// Implements input_file.h with files in memory, for libFuzzer. It replaces functions of src/base/file.cpp:
+// the linker takes the first definition that it meets.
 #include <map>
 #include <vector>
 

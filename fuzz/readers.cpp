@@ -1,4 +1,4 @@
-// See readers.h.
+// Implements readers.h. Every format of asset/formats/reader.h is a target; the others are listed at the end.
 #include "readers.h"
 
 #include <cstdio>
@@ -8,14 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "asset/obj_material.h"
+#include "asset/formats/foreign_model.h"
+#include "asset/formats/reader.h"
 #include "base/record.h"
 #include "camera_path.h"
 #include "input_file.h"
 #include "pellucid/animation.h"
 #include "pellucid/asset.h"
 #include "pellucid/material.h"
-#include "pellucid/model_camera.h"
 #include "pellucid/scene.h"
 
 namespace pellucid::fuzz {
@@ -76,16 +76,6 @@ bool is_small(const Model& model) {
          model.instances.size() <= kMostOfAnything;
 }
 
-Model read_foreign(Input bytes, std::string_view extension) {
-  const std::string path = input_file(bytes, extension);
-  Model model;
-  read_file_with(path, [&] {
-    model = read_model(path, kReadLimit);
-    for (const Primitive& primitive : model.primitives) check_mesh(primitive.mesh);
-  });
-  return model;
-}
-
 void pose(const Model& model) {
   const PosableModel posable(model);
   static_cast<void>(posable.rest_pose());
@@ -119,10 +109,15 @@ void write_and_read(const Model& model) {
   }
 }
 
-void read_gltf_file(Input bytes) {
-  const Model model = read_foreign(bytes, ".gltf");
+// Reads a model file of any format, and all that belongs to a glTF.
+void check_model_file(Input bytes, std::string_view extension) {
+  const std::string path = input_file(bytes, extension);
+  Model model;
+  read_file_with(path, [&] {
+    model = read_model(path, kReadLimit);
+    for (const Primitive& primitive : model.primitives) check_mesh(primitive.mesh);
+  });
   if (model.document == nullptr) return;
-  const std::string path = path_for(".gltf");
   read_file_with(path, [&] { read_rig(model, kReadLimit); });
   read_file_with(path, [&] { read_materials(model, kTexelLimit); });
   read_file_with(path, [&] { read_cameras(model); });
@@ -131,31 +126,18 @@ void read_gltf_file(Input bytes) {
   write_and_read(model);
 }
 
-void read_ply_file(Input bytes) {
-  read_foreign(bytes, ".ply");
-}
-void read_obj_file(Input bytes) {
-  read_foreign(bytes, ".obj");
-}
-void read_stl_file(Input bytes) {
-  read_foreign(bytes, ".stl");
-}
-void read_off_file(Input bytes) {
-  read_foreign(bytes, ".off");
-}
-
 void read_mtl(Input bytes) {
-  std::map<std::string, ObjMaterial, std::less<>> materials;
-  parse_materials({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, materials);
+  ObjMaterials materials;
+  parse_obj_materials({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, materials);
 }
 
-// Textures, and --importance-image. A header may promise 2^27 texels, so larger ones are left alone.
-void read_picture_file(Input bytes) {
+// Textures, and --importance-image. A header may promise up to 2^27 texels, which read_image() allows.
+void read_image_file(Input bytes) {
   const std::string path = input_file(bytes, ".png");
   read_file_with(path, [&] {
     const RgbaImage picture = read_image(path);
     if (picture.rgba.size() != std::size_t{4} * picture.width * picture.height)
-      broken("a picture has four bytes a texel", std::to_string(picture.rgba.size()));
+      broken("an image has four bytes a texel", std::to_string(picture.rgba.size()));
   });
 }
 
@@ -164,7 +146,7 @@ void read_camera_path_file(Input bytes) {
   read_file_with(path, [&] { cli::read_camera_path(path); });
 }
 
-// What --checkpoint continues from, behind its checksum.
+// Reads the records that --checkpoint continues from, without their checksum.
 void read_record(Input bytes) {
   std::vector<std::pair<std::uint32_t, std::vector<float>>> lists;
   static_cast<void>(RecordReader(std::as_bytes(bytes)).read(lists));
@@ -172,15 +154,24 @@ void read_record(Input bytes) {
   static_cast<void>(RecordReader(std::as_bytes(bytes)).read(map));
 }
 
-constexpr Target kTargets[] = {{"gltf", read_gltf_file},       {"ply", read_ply_file},
-                               {"obj", read_obj_file},         {"mtl", read_mtl},
-                               {"stl", read_stl_file},         {"off", read_off_file},
-                               {"picture", read_picture_file}, {"camera_path", read_camera_path_file},
-                               {"record", read_record}};
+std::vector<Target> make_targets() {
+  std::vector<Target> targets;
+  for (const FormatReader& reader : format_readers()) {
+    targets.push_back({reader.name, [extension = reader.extensions.front()](Input bytes) {
+                         check_model_file(bytes, extension);
+                       }});
+  }
+  targets.push_back({"mtl", read_mtl});
+  targets.push_back({"image", read_image_file});
+  targets.push_back({"camera_path", read_camera_path_file});
+  targets.push_back({"record", read_record});
+  return targets;
+}
 
 }  // namespace
 
 std::span<const Target> targets() {
+  static const std::vector<Target> kTargets = make_targets();
   return kTargets;
 }
 

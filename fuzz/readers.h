@@ -1,18 +1,20 @@
-// Everything of pellucid that reads what others wrote, as functions of bytes: for libFuzzer (harness.cpp) and
-// for the test that replays what it has found (corpus_test.cpp).
+// Everything in pellucid that reads what others wrote, as functions of bytes. Used by libFuzzer (harness.cpp)
+// and by the test that replays what it has found (corpus_test.cpp).
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 
 namespace pellucid::fuzz {
 
 struct Target {
-  std::string_view name;  // and the folder of its files, fuzz/corpus/NAME
-  // Reads the bytes. Complaints are fine; abort() where one is not of the kind that callers are promised.
-  void (*read)(std::span<const std::uint8_t> bytes);
+  std::string_view name;  // its seeds lie in fuzz/corpus/NAME
+  // Reads the bytes. An Error is fine; calls abort() where it is not of the kind that callers are promised.
+  std::function<void(std::span<const std::uint8_t> bytes)> read;
 };
+// Returns all targets: one for each model format, and those of other files.
 std::span<const Target> targets();
 
 }  // namespace pellucid::fuzz

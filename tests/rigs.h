@@ -5,12 +5,12 @@
 
 namespace pellucid::test {
 
-// The type of accessor that an animated path has.
+// Returns the type of accessor that an animated path has.
 inline std::string type_of(const std::string& path) {
   return path == "weights" ? "SCALAR" : path == "rotation" ? "VEC4" : "VEC3";
 }
 
-// A channel of `animation` that moves `node`, with a sampler of its own; animations are added as needed.
+// Adds a channel of `animation` that moves `node`, with a sampler of its own. Adds animations as needed.
 inline void add_channel(HandMade& file, std::size_t animation, int node, const std::string& path,
                         const std::vector<float>& times, const std::vector<float>& values,
                         const std::string& interpolation = "LINEAR") {
@@ -35,9 +35,9 @@ std::size_t add_vec4(HandMade& file, const std::vector<T>& values, int component
   return file.accessor(file.view(values), component, values.size() / 4, "VEC4");
 }
 
-// A ribbon from (0, 0, 0) to (0.5, 2, 0), three rows of two vertices, which bends at half its height: the
-// rows follow joint 0 (node 1), both joints, and joint 1 (node 2, child of node 1, one unit above it). The
-// mesh is node 0, whose own transform must not matter.
+// Returns a ribbon from (0, 0, 0) to (0.5, 2, 0) with three rows of two vertices, which bends at half its
+// height. The rows follow joint 0 (node 1), both joints, and joint 1 (node 2, child of node 1, one unit above
+// it). The mesh is node 0, whose own transform must have no effect.
 inline HandMade ribbon() {
   HandMade file;
   file.set_positions({0, 0, 0, 0.5F, 0, 0, 0, 1, 0, 0.5F, 1, 0, 0, 2, 0, 0.5F, 2, 0});
@@ -60,7 +60,7 @@ inline HandMade ribbon() {
   return file;
 }
 
-// Give the only primitive one more morph target.
+// Gives the only primitive one more morph target.
 inline void add_target(HandMade& file, const std::vector<float>& deltas) {
   const std::size_t accessor = file.accessor(file.view(deltas), 5126, deltas.size() / 3, "VEC3");
   file.primitive()["targets"].push_back({{"POSITION", accessor}});

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "pellucid/model_camera.h"
+#include "pellucid/asset.h"
 
 namespace pellucid::cli {
 namespace {

@@ -1,8 +1,8 @@
-// pellucid/animation.h - module `asset`: what moves a glTF model: nodes, skins, morph targets, key frames.
+// pellucid/animation.h - module `asset`: what moves a glTF model.
 //
-// In: a model that read_model gave. Out: plain data, read on demand, so that those who order static meshes
-// do not pay for it. Posing is the module `scene` (pellucid/scene.h). Format: glTF 2.0, sections 3.5, 3.7 and
-// 3.11.
+// In: a model that read_model() returned. Out: its nodes, skins, morph targets and key frames as plain data.
+// They are read on demand, so that ordering static meshes does not pay for them. The module `scene`
+// (pellucid/scene.h) poses the model. Format: glTF 2.0, sections 3.5, 3.7 and 3.11.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace pellucid {
 
-// Where a node stands relative to its parent: scaled, then rotated (x, y, z, w), then moved; or a matrix in
-// place of the three.
+// The transform of a node relative to its parent: it is scaled, then rotated (quaternion x, y, z, w), then
+// translated. A matrix replaces the three where there is one.
 struct NodeTransform {
   Vec3d translation;
   std::array<double, 4> rotation{0, 0, 0, 1};
@@ -29,37 +29,38 @@ struct RigNode {
   std::optional<std::uint32_t> parent;
   NodeTransform rest;
   std::optional<std::uint32_t> skin;  // of the node's mesh
-  std::vector<double> weights;        // at rest, one per morph target of the node's mesh
+  std::vector<double> weights;        // at rest; one per morph target of the node's mesh
 };
 
 struct RigSkin {
   std::vector<std::uint32_t> joints;  // node of each; at least one
-  std::vector<Mat4> inverse_bind;     // as many
+  std::vector<Mat4> inverse_bind;     // one per joint
 };
 
-// The joints that a vertex follows, as indices into RigSkin::joints: heaviest first, those without weight
-// last (joint 0). The weights' sum is 1.
+// The joints that a vertex follows, as indices into RigSkin::joints. The heaviest comes first; entries
+// without weight come last and name joint 0. The weights sum up to 1.
 constexpr std::size_t kJointsOfVertex = 8;
 struct VertexJoints {
   std::array<std::uint16_t, kJointsOfVertex> joints{};
   std::array<float, kJointsOfVertex> weights{};
   bool operator==(const VertexJoints&) const = default;
 };
-// Any eight pairs in that form. Weights must not be negative; where all are 0 the vertex follows joint 0.
+// Returns eight pairs of joint and weight in that form. Weights must not be negative. Where all are 0, the
+// vertex follows joint 0.
 VertexJoints normalized(VertexJoints joints);
 
-// Beside Model::primitives[i]; both empty where the primitive is rigid.
+// What deforms Model::primitives[i]. Both lists are empty where the primitive is rigid.
 struct RigPrimitive {
   std::vector<VertexJoints> joints;         // one per vertex; empty: not skinned
-  std::vector<std::vector<Vec3f>> targets;  // how far each morph target moves each vertex; empty: nowhere
+  std::vector<std::vector<Vec3f>> targets;  // how far each morph target moves each vertex; empty: not at all
 };
 
 enum class Interpolation { linear, step, cubic_spline };
 
-// A value over time. Linear rotations are interpolated on the sphere, along the shorter way.
+// A value over time. Linear rotations are interpolated on the sphere, along the shorter arc.
 struct AnimationCurve {
   Interpolation interpolation = Interpolation::linear;
-  std::uint32_t width = 0;    // numbers per value: 3, 4, or that of morph targets
+  std::uint32_t width = 0;    // numbers per value: 3, 4, or the number of morph targets
   std::vector<float> times;   // seconds, >= 0, increasing; at least one
   std::vector<float> values;  // width numbers per time; cubic splines: in-tangent, value and out-tangent
 };
@@ -78,18 +79,18 @@ struct RigAnimation {
 };
 
 struct Rig {
-  std::vector<RigNode> nodes;  // as in the file; no cycles
+  std::vector<RigNode> nodes;  // in file order; without cycles
   std::vector<RigSkin> skins;
-  std::vector<RigPrimitive> primitives;       // beside Model::primitives
+  std::vector<RigPrimitive> primitives;       // one per Model::primitives
   std::vector<std::uint32_t> instance_nodes;  // node of each Model::instances; empty without nodes
   std::vector<AnimationCurve> curves;
   std::vector<RigAnimation> animations;
 };
 
-// Everything that moves `model`. Models of other formats than glTF have nothing but empty primitives.
-// Channels that move no node (KHR_animation_pointer) and morph weights of nodes without morph targets are
-// left out; more than eight joints a vertex are not read. Throws Error{bad_input} naming the file and the
-// place, Error{bad_argument} where a deforming primitive was split since it was read.
+// Reads everything that moves `model`. For other formats than glTF, all primitives are rigid and nothing else
+// is set. Channels that move no node (KHR_animation_pointer), morph weights of nodes without morph targets,
+// and joints of a vertex beyond the eighth are left out. Throws Error{bad_input} naming the file and the
+// place, and Error{bad_argument} where a primitive that deforms was split after it was read.
 Rig read_rig(const Model& model, const ReadOptions& options = {});
 
 }  // namespace pellucid

@@ -1,8 +1,10 @@
-// pellucid/asset.h - module `asset`: models in, ordered glTF out.
+// pellucid/asset.h - module `asset`: reads models and writes ordered glTF.
 //
-// In: glTF/GLB (all that is not understood is kept), PLY, OBJ, STL, OFF. Out: glTF/GLB with the extension
-// PELLUCID_mesh_primitive_view_orders (docs/file-format.md, docs/schema/). A glTF that passes through loses
-// nothing: the original JSON is patched in place, never re-generated.
+// In: glTF/GLB, PLY, OBJ, STL and OFF files. Out: glTF/GLB files with the extension
+// PELLUCID_mesh_primitive_view_orders (docs/file-format.md, docs/schema/). A glTF that is read and written
+// again loses nothing, because its JSON is changed in place: what pellucid does not understand stays as it
+// was. Right-handed coordinates, +y up, metres, counter-clockwise front faces (glTF 2.0, section 3.4); the
+// other formats are taken as they are.
 #pragma once
 
 #include <array>
@@ -21,7 +23,7 @@ namespace pellucid {
 
 enum class AlphaMode { opaque, mask, blend };
 
-// Error statistics that travel with an order set in the file (informative).
+// Error statistics that are stored with an order set. They are informative.
 struct OrderErrorRecord {
   std::uint32_t viewpoints = 0;
   std::uint32_t size = 0;
@@ -32,23 +34,24 @@ struct OrderErrorRecord {
   std::vector<ByDistance> by_distance;
 };
 
-// One drawable primitive: what is ordered by itself.
+// One drawable primitive. Each is ordered by itself.
 struct Primitive {
-  std::string name;              // mesh name, with "#k" for its k-th primitive where it has several
-  std::uint32_t mesh_index = 0;  // glTF: meshes[mesh_index].primitives[primitive_index]; else 0, running
+  std::string name;  // mesh name, with "#k" for its k-th primitive where it has several
+  // glTF: meshes[mesh_index].primitives[primitive_index]. Other formats: 0 and the number of the primitive.
+  std::uint32_t mesh_index = 0;
   std::uint32_t primitive_index = 0;
   Mesh mesh;                 // triangles after decoding strips, fans, polygons; in file order; not cleaned
   bool triangles = true;     // false: points or lines, nothing to order
   bool double_sided = true;  // glTF: the material's flag; other formats: true
-  bool deforms = false;      // skinned or morphed: static orders do not hold
+  bool deforms = false;      // skinned or morphed: orders of the static mesh are not valid
   AlphaMode alpha_mode = AlphaMode::blend;  // other formats: blend
   std::array<float, 4> base_color{1, 1, 1, 1};
   std::string material_name;
-  bool has_material = false;  // the file says how it looks: any glTF, OBJ with a material that was found
-  // The mesh was split since it was read (pellucid/split.h): its last vertices are these, and its triangles
-  // are the pieces. write_model interpolates the attributes that only the document knows.
+  bool has_material = false;  // the file defines its look: any glTF, and OBJ with a material that was found
+  // Set where the mesh was split after it was read (pellucid/split.h): its last vertices are these, and its
+  // triangles are the pieces. write_model() interpolates the attributes that are only in the document.
   std::optional<std::vector<SplitVertex>> new_vertices;
-  std::optional<OrderSet> orders;  // from the extension, validated; nodes refer to mesh.triangles
+  std::optional<OrderSet> orders;  // from the extension, checked; nodes refer to mesh.triangles
   std::optional<OrderErrorRecord> order_error;
 };
 
@@ -59,7 +62,7 @@ struct Instance {
   Mat4 world;                   // local to world
 };
 
-struct GltfDocument;  // original JSON and buffers, opaque
+struct GltfDocument;  // the original JSON and buffers, opaque
 
 struct Model {
   std::string path;
@@ -67,24 +70,29 @@ struct Model {
   std::vector<Primitive> primitives;
   std::vector<Instance> instances;
   std::vector<std::string> animation_names;
-  std::vector<std::string>
-      notes;  // things a user should know: "1 animation", "KHR_texture_transform kept, not read"
+  // What a user should know: "1 animation", "KHR_texture_transform kept, not read".
+  std::vector<std::string> notes;
   std::shared_ptr<const GltfDocument> document;  // null for other formats
 };
 
 struct ReadOptions {
-  // Refuse before allocating when a header or accessor asks for more than this many vertices or triangles.
+  // A file that asks for more vertices or triangles than this is refused before anything is allocated for
+  // them.
   std::uint64_t max_elements = 1ULL << 28U;
 };
-// Throws Error{bad_input} naming the file, the reason and, where it helps, the place (line, byte, accessor).
+// Reads a model file. Formats that name themselves in their first bytes (glTF, GLB, PLY) are recognised by
+// these, others by the file's extension. Takes time and memory proportional to the size of the file. Throws
+// Error{bad_input} naming the file, the reason and, where it helps, the place (line, byte, accessor).
 Model read_model(const std::string& path, const ReadOptions& options = {});
 
 // How the orders are stored.
 enum class OrderEncoding {
   indices,  // plain index accessors, 16-bit where the vertex count allows
   patches,  // permutations of patch (here: triangle) ids, a third of the size
-  meshopt,  // the same, as EXT_meshopt_compression; their uncompressed copy, which that extension demands of
-            // files that do not require it, goes to OUT.orders-fallback.bin and is fetched by nobody
+  // The same, compressed by EXT_meshopt_compression. Files that do not require that extension must also hold
+  // an uncompressed copy. It goes to OUT.orders-fallback.bin, which no viewer that knows the extension
+  // fetches.
+  meshopt,
 };
 enum class SortDirection { front_to_back, back_to_front };
 
@@ -97,36 +105,57 @@ struct OrderedPrimitive {
 struct WriteOptions {
   OrderEncoding encoding = OrderEncoding::indices;
   SortDirection direction = SortDirection::front_to_back;
-  bool split_buffer = false;  // orders go to OUT.orders.bin, which viewers that do not know them never fetch
-  bool bake_base = true;      // primitive.indices becomes the best single order
+  bool split_buffer =
+      false;              // orders go to OUT.orders.bin, which viewers that do not know orders never fetch
+  bool bake_base = true;  // primitive.indices becomes the best single order
 };
 struct WriteReport {
   std::uint64_t file_bytes = 0;   // all files written
   std::uint64_t order_bytes = 0;  // of these, for orders and their table, as stored (without a fallback copy)
   std::vector<std::string> files;
 };
-// Write `model` with the given orders as .glb or .gltf (by extension of `path`). Models of other formats get
-// a minimal document of their own. The file holds exactly the given orders: those that `model` came with and
-// are not given again are taken out, so an empty list strips it. Triangles that `base_sequence` leaves out
-// follow at its end. Primitives that were split get accessors of their own. Files appear whole or not at all.
-// Same input, same bytes. Throws Error{cannot_write | bad_argument}, Error{nothing_to_do} for a model without
+// Writes `model` with the given orders as .glb or .gltf (by the extension of `path`). Models of other formats
+// get a minimal document of their own. The file holds exactly the given orders: those that `model` came with
+// and that are not given again are removed, so that an empty list removes all. Triangles that `base_sequence`
+// leaves out follow at its end. Primitives that were split get accessors of their own. Each file is written
+// completely or not at all. The same input gives the same bytes. Throws Error{cannot_write},
+// Error{bad_argument} where the orders do not fit the model, and Error{nothing_to_do} for a model without
 // geometry.
 WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered,
                         const std::string& path, const WriteOptions& options = {});
 
-// A model of meshes made by a program (samples, tests): one glTF mesh and node per part.
+// Makes a model of meshes that a program has made (samples, tests), with one glTF mesh and one node per part.
 Model make_model(const std::vector<SamplePart>& parts, const std::string& name);
 
-// May the triangles of a primitive be others than those of the file? False where it has an extension that may
-// number them.
+// Returns whether the triangles of a primitive may differ from those of its file. They may not where it has
+// an extension that may refer to triangles by number.
 bool triangles_may_change(const Model& model, std::uint32_t primitive);
 
-// Bytes that the index data of an order set takes in memory when drawn: 2 or 4 bytes an index.
+// Returns the bytes that the index data of an order set takes in memory when it is drawn: 2 or 4 bytes an
+// index.
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh);
 
-// Write an 8-bit RGB PNG through a temporary file. Throws Error{cannot_write}.
-void write_png(const Image& image, const std::string& path);
-// The same bytes in memory.
+// Cameras. Format: glTF 2.0, section 3.10.
+
+// A camera looks along its own -z; +y is up.
+struct ModelCamera {
+  std::string name;  // of the camera or, where it has none, of its node
+  Mat4 world;        // camera to world, as the default scene places it at rest
+  bool perspective = true;
+  double half_height =
+      1;  // perspective: tangent of half the vertical angle; else half the image's height in world units
+};
+
+// Returns the cameras of the default scene in the order of its nodes; none for other formats than glTF.
+// Throws Error{bad_input} naming the file and the place.
+std::vector<ModelCamera> read_cameras(const Model& model);
+
+// Image files. pellucid/material.h reads them.
+
+// Returns `image` as an 8-bit RGB PNG file in memory. The same image gives the same bytes. Throws
+// Error{bad_argument} where the image is empty or its size does not fit its bytes.
 std::vector<std::uint8_t> encode_png(const Image& image);
+// Writes the same bytes to a file, completely or not at all. Throws Error{bad_argument | cannot_write}.
+void write_png(const Image& image, const std::string& path);
 
 }  // namespace pellucid

@@ -1,12 +1,15 @@
-// Any model file to its reader, and the small functions on models: see pellucid/asset.h.
+// Finds the reader of a model file in the table of formats (formats/reader.h), and holds the small functions
+// on models of pellucid/asset.h.
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "asset/gltf_edit.h"
-#include "asset/readers.h"
+#include "asset/formats/reader.h"
 
 namespace pellucid {
 namespace {
@@ -18,7 +21,7 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-// The first bytes of a file; empty where it cannot be read (its reader will say why).
+// Returns the first bytes of a file; none where it cannot be read (its reader will say why).
 std::string first_bytes(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   std::string bytes(64, '\0');
@@ -26,39 +29,44 @@ std::string first_bytes(const std::string& path) {
   return bytes;
 }
 
-using Reader = Model (*)(const std::string&, const ReadOptions&);
-
-// Formats that name themselves win over the file's name.
-Reader reader_by_content(const std::string& bytes) {
-  if (bytes.starts_with("glTF")) return read_gltf;
-  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply;
-  const std::string_view text = std::string_view(bytes).substr(bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && text[first] == '{') return read_gltf;
-  return nullptr;
+const FormatReader* find_reader(const std::string& path) {
+  // Formats that name themselves win over the file's name.
+  const std::string bytes = first_bytes(path);
+  const std::string extension = lower_extension(path);
+  const FormatReader* by_extension = nullptr;
+  for (const FormatReader& reader : format_readers()) {
+    if (reader.recognizes != nullptr && reader.recognizes(bytes)) return &reader;
+    const auto& all = reader.extensions;
+    if (std::find(all.begin(), all.end(), extension) != all.end()) by_extension = &reader;
+  }
+  return by_extension;
 }
 
-Reader reader_by_extension(const std::string& extension) {
-  if (extension == ".gltf" || extension == ".glb") return read_gltf;
-  if (extension == ".ply") return read_ply;
-  if (extension == ".obj") return read_obj;
-  if (extension == ".stl") return read_stl;
-  if (extension == ".off") return read_off;
-  return nullptr;
+// Returns ".glb .gltf .ply", and so on.
+std::string list_of_extensions() {
+  std::string list;
+  for (const FormatReader& reader : format_readers()) {
+    for (const std::string_view extension : reader.extensions)
+      list.append(list.empty() ? "" : " ").append(extension);
+  }
+  return list;
 }
 
 }  // namespace
 
+const std::vector<FormatReader>& format_readers() {
+#define PELLUCID_ROW(name) name##_reader(),
+  static const std::vector<FormatReader> kReaders{PELLUCID_MODEL_FORMATS(PELLUCID_ROW)};
+#undef PELLUCID_ROW
+  return kReaders;
+}
+
 Model read_model(const std::string& path, const ReadOptions& options) {
-  Reader reader = reader_by_content(first_bytes(path));
-  if (reader == nullptr) reader = reader_by_extension(lower_extension(path));
-  if (reader == nullptr) {
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored)) read_file(path);  // says what is wrong with it
-    throw Error(ErrorKind::bad_input,
-                path + ": not a model that pellucid reads (.glb .gltf .ply .obj .stl .off)");
-  }
-  return reader(path, options);
+  if (const FormatReader* reader = find_reader(path)) return reader->read(path, options);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) read_file(path);  // says what is wrong with it
+  throw Error(ErrorKind::bad_input,
+              path + ": not a model that pellucid reads (" + list_of_extensions() + ")");
 }
 
 Model make_model(const std::vector<SamplePart>& parts, const std::string& name) {
@@ -82,7 +90,7 @@ Model make_model(const std::vector<SamplePart>& parts, const std::string& name) 
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh) {
   std::uint64_t nodes = 0;
   for (const NodeSequence& order : set.orders) nodes += order.size();
-  return 3 * nodes * bytes_of(vertex_index_width(mesh.positions.size()));
+  return 3 * nodes * bytes_per_index(mesh.positions.size());
 }
 
 }  // namespace pellucid

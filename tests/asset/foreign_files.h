@@ -1,4 +1,4 @@
-// Small model files for tests: text or bytes in, read_model's answer or complaint out.
+// Small model files for tests. In: text or bytes. Out: what read_model() returns, or its error message.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// PLY, OBJ, STL and OFF from hostile hands: every complaint with its place, and thousands of damaged files.
+// Damaged and hostile PLY, OBJ, STL and OFF files: every error message with its place, and thousands of
+// damaged files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ const std::string kPlyVertices =
 const std::string kPlyFaces = "element face 1\nproperty list uchar int vertex_indices\n";
 const std::string kTriangle = "0 0 0\n1 0 0\n0 1 0\n";
 
-TEST(HostilePly, Header) {
+TEST(HostilePly, NamesTheLineOfABadHeader) {
   EXPECT_EQ(complaint("a.ply", ""), ": the file is empty");
   EXPECT_EQ(complaint("a.ply", "plywood\n"), ": not a PLY file");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"),
@@ -26,13 +27,13 @@ TEST(HostilePly, Header) {
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999999999999\n"),
             ": line 3: bad element count '99999999999999999999'");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nproperty float x\n"),
-            ": line 3: a property before any element");
+            ": line 3: the property stands before any element");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty quaternion x\n"),
             ": line 4: unknown property type 'quaternion'");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n"),
             ": line 4: a list's count must be an integer type");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n"),
-            ": line 4: a property without a name");
+            ": line 4: the property has no name");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\n\x01\x02garbage\n"),
             ": line 3: unknown word '\?\?garbage' in the PLY header");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
@@ -43,7 +44,7 @@ TEST(HostilePly, Header) {
             ": the element 'face' has no list vertex_indices or vertex_index");
 }
 
-TEST(HostilePly, CountsThatTheFileCannotHold) {
+TEST(HostilePly, RefusesCountsThatTheFileCannotHold) {
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n";
   EXPECT_EQ(complaint("a.ply", header + "property float z\nend_header\n" + kTriangle),
@@ -56,7 +57,7 @@ TEST(HostilePly, CountsThatTheFileCannotHold) {
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "4000000000 0 1 2\n"),
             ": face 1 of 1 is cut off (the file ends at line 13)");
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "-3 0 1 2\n"),
-            ": line 13: bad list length");
+            ": line 13: the length of the list is not a whole number");
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "3 0 1 2\n",
                       {.max_elements = 2}),
             ": 3 vertices; the limit is 2");
@@ -67,7 +68,7 @@ TEST(HostilePly, CountsThatTheFileCannotHold) {
             1U);
 }
 
-TEST(HostilePly, BodyNamesElementAndPlace) {
+TEST(HostilePly, NamesElementAndPlaceInTheBody) {
   EXPECT_EQ(complaint("a.ply", kPlyVertices + "end_header\n0.123 0.123 0.123\n1 0 0\n0 1\n"),
             ": vertex 3 of 3 is cut off (the file ends at line 11)");
   EXPECT_EQ(complaint("a.ply", kPlyVertices + "end_header\n0 0 0\n1 zero 0\n0 1 0\n"),

@@ -1,4 +1,5 @@
-// PLY, OBJ, STL and OFF: every feature on literal files, and the dev models' counts.
+// Reading PLY, OBJ, STL and OFF: every feature on small files, and the triangle counts of the development
+// models.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ const std::vector<Vec3f> kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 
 // --------------------------------------------------------------------------------------------------- PLY
 
-TEST(Ply, AsciiWithQuadNormalsAndForeignProperties) {
+TEST(Ply, ReadsTextWithQuadsNormalsAndOtherProperties) {
   const Model model =
       read_text("a.ply",
                 "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info none\r\n"
@@ -57,7 +58,7 @@ std::string binary_square(const std::string& types, bool big_endian) {
          types.substr(types.find(' ')) + " vertex_index\nend_header\n" + out.bytes();
 }
 
-TEST(Ply, BinaryOfBothByteOrdersAndAllTypes) {
+TEST(Ply, ReadsBinaryOfBothByteOrdersAndAllTypes) {
   for (const bool big_endian : {false, true}) {
     for (const std::string& content :
          {binary_square<float, std::uint8_t, std::int32_t>("float uchar int", big_endian),
@@ -94,7 +95,7 @@ TEST(Ply, PointsShortFacesAndTrailingDataAreNoted) {
                                        "2 faces with fewer than 3 corners left out"));
 }
 
-TEST(Ply, NumbersBecomeTheNearestFloatAndMayBeAnything) {
+TEST(Ply, RoundsNumbersToTheNearestFloatAndKeepsNonFiniteOnes) {
   const Mesh mesh =
       mesh_of("n.ply",
               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -108,7 +109,7 @@ TEST(Ply, NumbersBecomeTheNearestFloatAndMayBeAnything) {
 
 // --------------------------------------------------------------------------------------------------- OBJ
 
-TEST(Obj, AllFormsOfCorners) {
+TEST(Obj, ReadsAllFormsOfCorners) {
   const Mesh mesh = mesh_of("f.obj",
                             "# square\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\nvn 0 0 3\n"
                             "f 1/1/1 2//1 3/1/1 # trailing\ns 1\nf 1//-1 -2/-1/-1 \\\n 4//1\n");
@@ -139,7 +140,7 @@ TEST(Obj, FacesMayComeBeforeTheirVertices) {
               ElementsAre(Triangle{0, 1, 2}));
 }
 
-TEST(Obj, OnePrimitiveForEachMaterialWithItsOpacity) {
+TEST(Obj, MakesOnePrimitivePerMaterialWithItsOpacity) {
   const TemporaryModel materials(
       "m.mtl",
       "newmtl glass green\nKd 0.1 0.8 0.2\nd 0.25\nTr 0\nnewmtl meshlab\nTr 1.0\n"
@@ -166,10 +167,11 @@ TEST(Obj, OnePrimitiveForEachMaterialWithItsOpacity) {
   EXPECT_EQ(model.primitives[1].name, "one#1");
   EXPECT_EQ(model.instances[1].node_name, "one#1");
   EXPECT_EQ(model.instances[4].primitive, 4U);
-  EXPECT_THAT(model.notes, ElementsAre("material file 'missing.mtl' cannot be read: default colours"));
+  EXPECT_THAT(model.notes,
+              ElementsAre("material file 'missing.mtl' cannot be read; default colours are used"));
 }
 
-TEST(Obj, DevicesAreNoMaterialFiles) {
+TEST(Obj, IgnoresDevicesAsMaterialFiles) {
   const Model model = read_text("d.obj", "mtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(model.notes, ElementsAre(HasSubstr("'/dev/zero' cannot be read")));
 }
@@ -190,7 +192,7 @@ constexpr std::string_view kAsciiStl =
     "FACET NORMAL 0 0 1\n OUTER LOOP\n  VERTEX -0 0 0\n  VERTEX 1 1 0\n  VERTEX 0 1 0\n ENDLOOP\nENDFACET\n"
     "endsolid my part\nsolid two\nendsolid\n";
 
-TEST(Stl, AsciiWeldsCornersAndKnowsItsName) {
+TEST(Stl, WeldsCornersOfTextAndKeepsItsName) {
   const Model model = read_text("a.stl", kAsciiStl);
   EXPECT_EQ(model.format, "stl");
   EXPECT_EQ(model.primitives.at(0).name, "my part");
@@ -198,7 +200,7 @@ TEST(Stl, AsciiWeldsCornersAndKnowsItsName) {
   EXPECT_THAT(model.primitives[0].mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
 }
 
-TEST(Stl, BinaryEvenWhereItBeginsWithSolid) {
+TEST(Stl, RecognisesBinaryThatBeginsWithSolid) {
   for (const char* header : {"exported", "solid thing", "solid\n facet"}) {
     const Mesh mesh = mesh_of("b.stl", binary_stl(header, 2, 2));
     EXPECT_EQ(mesh.triangles.size(), 2U) << header;
@@ -215,7 +217,7 @@ TEST(Stl, TrailingBytesAreNoted) {
 
 // --------------------------------------------------------------------------------------------------- OFF
 
-TEST(Off, HeadersCommentsColoursAndNormals) {
+TEST(Off, ReadsHeadersCommentsColoursAndNormals) {
   const std::string faces = "# faces\n4 0 1 2 3 255 0 0\n";
   for (const std::string& content :
        {"OFF\n4 1 0\n0 0 0\n1 0 0 # corner\n\n1 1 0\n0 1 0\n" + faces,
@@ -345,7 +347,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-TEST(DevModels, MeshlabsTransparencyOfOneMeansOpaque) {
+TEST(DevModels, TakesTheTransparencyOfOneOfMeshlabAsOpaque) {
   const std::string path = std::string(PELLUCID_MODELS) + "/static/fuze_bottle_1k.obj";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "development model missing: " << path;
   EXPECT_EQ(read_model(path).primitives.at(0).base_color[3], 1.0F);

@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 using Bytes = std::vector<std::byte>;
 namespace fs = std::filesystem;
 
-// A folder of this test's own, gone afterwards.
+// A folder of the test's own, which is removed afterwards.
 class TempFolder {
  public:
   TempFolder() {

@@ -1,5 +1,5 @@
-// Reading glTF: every legal form of geometry gives the triangles that a viewer draws, everything else a clear
-// refusal.
+// Reading glTF: every legal form of geometry gives the triangles that a viewer draws, and all other files are
+// refused with a clear message.
 #include <meshoptimizer.h>
 
 #include "gltf_helpers.h"
@@ -34,7 +34,7 @@ TYPED_TEST(IndexTypes, AreRead) {
   EXPECT_EQ(mesh.positions.at(3), (Vec3f{1, 1, 0.5F}));
 }
 
-TEST(GltfTopology, StripFanAndPlainVertices) {
+TEST(GltfTopology, AssemblesStripsFansAndPlainVertices) {
   const TempFolder folder;
   HandMade file;
   file.set_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0, 1, 2, 0});
@@ -53,7 +53,7 @@ TEST(GltfTopology, StripFanAndPlainVertices) {
   }
 }
 
-TEST(GltfAccessors, QuantisedPositionsStridedAndNormalised) {
+TEST(GltfAccessors, DecodesStridedAndNormalisedPositions) {
   const TempFolder folder;
   HandMade file;
   // Elements of 3 x int16, one int16 of padding: stride 8, first element at offset 8.
@@ -81,7 +81,7 @@ TEST(GltfAccessors, QuantisedPositionsStridedAndNormalised) {
   EXPECT_EQ(read_mesh(bytes.save(folder / "bytes.glb")).positions[0], (Vec3f{-1, 1, 0}));
 }
 
-TEST(GltfAccessors, SparseOverDataAndOverZeros) {
+TEST(GltfAccessors, AppliesSparseValuesToDataAndToZeros) {
   const TempFolder folder;
   HandMade file = pyramid();
   Json sparse;
@@ -239,7 +239,7 @@ TEST(GltfScene, BrokenHierarchiesAreRefused) {
   EXPECT_THAT(refusal(R"([])"), ::testing::HasSubstr("node 0 does not exist"));
 }
 
-TEST(GltfMaterials, ColourModeAndFlags) {
+TEST(GltfMaterials, ReadsColourAlphaModeAndFlags) {
   const TempFolder folder;
   HandMade file = pyramid();
   EXPECT_EQ(read_model(file.save(folder / "none.glb")).primitives[0].alpha_mode, AlphaMode::opaque);
@@ -266,7 +266,7 @@ TEST(GltfMaterials, ColourModeAndFlags) {
 
 // ---------------------------------------------------------------------------------------------- buffers
 
-TEST(GltfBuffers, ExternalEscapedAndAboveTheFolder) {
+TEST(GltfBuffers, ReadsExternalFilesWithEscapesAndAboveTheFolder) {
   const TempFolder folder;
   HandMade file = pyramid();
   fs::create_directory(folder / "sub");
@@ -277,7 +277,7 @@ TEST(GltfBuffers, ExternalEscapedAndAboveTheFolder) {
   EXPECT_EQ(read_mesh(file.save(folder / "sub/a.gltf")).triangles, expected.triangles);
 }
 
-TEST(GltfBuffers, DataUris) {
+TEST(GltfBuffers, DecodesDataUris) {
   const TempFolder folder;
   HandMade file = pyramid();
   const Mesh expected = read_mesh(file.save(folder / "plain.glb"));
@@ -478,7 +478,7 @@ TEST(GltfDispatch, ContentWinsOverTheName) {
   EXPECT_EQ(model.primitives.at(0).name, "m");
 }
 
-TEST(GltfDispatch, NamesThatNoFileCanHaveAreComplainedAbout) {
+TEST(GltfDispatch, RefusesNamesThatNoFileCanHave) {
   const std::string name(300, 'x');
   EXPECT_THAT(error_of([&] { read_model(name); }), ::testing::HasSubstr("File name too long"));
 }

@@ -1,5 +1,5 @@
-// Writing glTF: nothing of a file gets lost, models of other formats become valid documents, failures leave
-// no files.
+// Writing glTF: nothing in a file is lost, models of other formats become valid documents, and failures leave
+// no files behind.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -97,7 +97,7 @@ TEST(PassThrough, ForeignNumbersThatAreNoIndicesStay) {
   EXPECT_EQ(json_of(folder / "stripped.glb"), json_of(folder / "a.glb"));
 }
 
-TEST(Conversion, BetweenGlbAndGltf) {
+TEST(Conversion, ConvertsBetweenGlbAndGltf) {
   const TempFolder folder;
   fs::create_directory(folder / "other place");
   const Model glb = read_model(pyramid().save(folder / "a.glb"));

@@ -1,4 +1,5 @@
-// Materials of glTF and OBJ files: textures of all forms, and pictures that are damaged or absurd.
+// Materials of glTF and OBJ files, with textures of all forms and images that are damaged or absurd; PNG
+// files.
 #include "pellucid/material.h"
 
 #ifdef PELLUCID_WITH_JPEG
@@ -7,7 +8,11 @@
 #include <cstdio>  // jpeglib.h needs it
 #endif
 
+#include <png.h>
+
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "gltf_helpers.h"
 #include "pellucid/asset.h"
@@ -85,8 +90,8 @@ Json& texture_info(HandMade& file) {
   return file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
 }
 
-void embed(HandMade& file, const Bytes& picture) {
-  const std::size_t view = file.view(picture);
+void embed(HandMade& file, const Bytes& image) {
+  const std::size_t view = file.view(image);
   file.json["images"] = Json::array({{{"bufferView", view}, {"mimeType", "image/png"}}});
 }
 
@@ -107,7 +112,7 @@ class MaterialFiles : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(MaterialFiles, EmbeddedPng) {
+TEST_F(MaterialFiles, ReadsEmbeddedPng) {
   HandMade file = textured();
   embed(file, png_of(3, 2));
   const Materials materials = read(file);
@@ -127,7 +132,7 @@ TEST_F(MaterialFiles, EmbeddedPng) {
 
 #ifdef PELLUCID_WITH_JPEG
 
-TEST_F(MaterialFiles, JpegInADataUri) {
+TEST_F(MaterialFiles, ReadsJpegInADataUri) {
   HandMade file = textured();
   // Base64 by hand: six bits a letter.
   const Bytes jpeg = jpeg_of(16, {200, 40, 90});
@@ -163,7 +168,7 @@ TEST_F(MaterialFiles, JpegIsLeftOutWithANoteInABuildWithoutIt) {
 
 #endif
 
-TEST_F(MaterialFiles, FileBesideTheModel) {
+TEST_F(MaterialFiles, ReadsFilesBesideTheModel) {
   HandMade file = textured();
   write_file_atomically(folder_ / "a b.png", png_of(4, 4));
   file.json["images"] = Json::array({{{"uri", "a%20b.png"}}});
@@ -176,7 +181,7 @@ TEST_F(MaterialFiles, FileBesideTheModel) {
   EXPECT_THAT(without.notes[0], HasSubstr("missing.png"));
 }
 
-TEST_F(MaterialFiles, SamplersCoordinatesAndTransforms) {
+TEST_F(MaterialFiles, ReadsSamplersCoordinatesAndTransforms) {
   HandMade file = textured();
   embed(file, png_of(2, 2));
   file.json["samplers"] = Json::parse(R"([{"wrapS":33071,"wrapT":33648,"magFilter":9728,"minFilter":9985}])");
@@ -195,7 +200,7 @@ TEST_F(MaterialFiles, SamplersCoordinatesAndTransforms) {
   EXPECT_NEAR(materials.primitives.at(0).texcoords.at(1)[1], 0.25 - 2, 1e-6);
 }
 
-TEST_F(MaterialFiles, VertexColors) {
+TEST_F(MaterialFiles, ReadsVertexColors) {
   HandMade file = textured();
   embed(file, png_of(2, 2));
   const std::size_t view = file.view<std::uint8_t>({255, 0, 0, 255, 0, 255, 0, 51, 0, 0, 255, 0});
@@ -216,7 +221,7 @@ TEST_F(MaterialFiles, TransmissionIsBlended) {
   EXPECT_EQ(materials.primitives.at(0).base_color[3], 0.25F);
 }
 
-TEST_F(MaterialFiles, DamagedPicturesAreTold) {
+TEST_F(MaterialFiles, NamesDamagedImages) {
   for (const Bytes& whole : images_of_all_formats()) {
     for (const std::size_t kept : {std::size_t{12}, whole.size() / 2, whole.size() - 20}) {
       HandMade file = textured();
@@ -277,7 +282,7 @@ TEST_F(MaterialFiles, AttributesThatDoNotFitAreRefused) {
   EXPECT_NE(complaint(file), "");
 }
 
-TEST_F(MaterialFiles, ObjColorsAndOpacities) {
+TEST_F(MaterialFiles, ReadsColorsAndOpacitiesOfObj) {
   write_file_atomically(folder_ / "m.mtl",
                         std::string_view("newmtl glass\nKd 0.1 0.2 0.3\nd 0.5\nnewmtl wood\nKd 1 0 0\n"));
   write_file_atomically(folder_ / "m.obj",
@@ -290,6 +295,42 @@ TEST_F(MaterialFiles, ObjColorsAndOpacities) {
   EXPECT_EQ(materials.primitives[1].alpha_mode, AlphaMode::opaque);
   EXPECT_TRUE(materials.primitives[1].known);
   EXPECT_FALSE(materials.primitives[2].known);
+}
+
+TEST(Png, ComesBackFromAFileAsWritten) {
+  Image image{13, 7, {}};
+  Random random(3);
+  for (std::size_t i = 0; i < 3 * 13 * 7; ++i)
+    image.rgb.push_back(static_cast<std::uint8_t>(random.below(256)));
+  const std::string path = ::testing::TempDir() + "/pellucid_round_trip.png";
+  write_png(image, path);
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&header, path.c_str()), 0);
+  EXPECT_EQ(header.format, static_cast<png_uint_32>(PNG_FORMAT_RGB));
+  header.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> read(PNG_IMAGE_SIZE(header));
+  ASSERT_NE(png_image_finish_read(&header, nullptr, read.data(), 0, nullptr), 0);
+  EXPECT_EQ(header.width, 13U);
+  EXPECT_EQ(header.height, 7U);
+  EXPECT_EQ(read, image.rgb);
+
+  std::ifstream file(path, std::ios::binary);
+  const std::string stored((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::vector<std::uint8_t> bytes = encode_png(image);
+  EXPECT_EQ(stored, std::string(bytes.begin(), bytes.end()));
+  std::filesystem::remove(path);
+}
+
+TEST(Png, RefusesImagesAndPathsThatCannotBeWritten) {
+  EXPECT_THROW(encode_png({0, 0, {}}), Error);
+  EXPECT_THROW(encode_png({2, 2, {1, 2, 3}}), Error);
+  try {
+    write_png({1, 1, {1, 2, 3}}, "/nonexistent-folder/image.png");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::cannot_write);
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Orders in glTF files: what is written is read again, in every encoding, and comes off again without a
+// Orders in glTF files: orders are read as they were written, in every encoding, and can be removed without a
 // trace.
 #include "gltf_helpers.h"
 
@@ -124,7 +124,7 @@ TEST_P(EveryForm, ComesBackAsWritten) {
   }
 }
 
-TEST_P(EveryForm, ComesOffWithoutATrace) {
+TEST_P(EveryForm, IsRemovedWithoutATrace) {
   Random random(11);
   HandMade file = pyramid();
   file.json["extras"] =
@@ -255,7 +255,7 @@ TEST(OrderFiles, MeshoptStreamsAreWhatTheExtensionSays) {
   EXPECT_FALSE(json_of(folder / "b.glb").contains("extensionsUsed"));
 }
 
-TEST(OrderFiles, UnawareViewersOnlyNeedTheMainFile) {
+TEST(OrderFiles, ViewersThatDoNotKnowOrdersNeedOnlyTheMainFile) {
   const TempFolder folder;
   Random random(5);
   const Mesh mesh = random_mesh(random, 30, 40);
@@ -351,7 +351,7 @@ TEST(OrderBase, StripsFansAndPlainVerticesBecomeLists) {
   }
 }
 
-TEST(OrderNodes, DuplicatesAndCoincidentTwinsResolveInOrder) {
+TEST(OrderNodes, ResolvesDuplicatesAndCoincidentFacingsInOrder) {
   const TempFolder folder;
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -401,7 +401,7 @@ INSTANTIATE_TEST_SUITE_P(
                      "the partition needs 960"},
         BadExtension{"Cells", [](Json& e, Json&) { e["partition"]["cells"] = "triangles"; },
                      "the partition needs 80"},
-        BadExtension{"Range", [](Json& e, Json&) { e["partition"]["maxDistance"] = 0.5; }, "no range"},
+        BadExtension{"Range", [](Json& e, Json&) { e["partition"]["maxDistance"] = 0.5; }, "not a range"},
         BadExtension{"Radius", [](Json& e, Json&) { e["partition"]["radius"] = -1; }, "radius"},
         BadExtension{"NoCenter", [](Json& e, Json&) { e["partition"].erase("center"); }, "center"},
         BadExtension{"NoOrders", [](Json& e, Json&) { e["orders"] = Json::array(); }, "no orders"},
@@ -461,7 +461,8 @@ TEST(BadArguments, AreRefusedBeforeAnythingIsWritten) {
   EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.orders[0].push_back(16); }),
               HasSubstr("does not exist"));
   EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.orders[0] = {2, 2}; }), HasSubstr("twice"));
-  EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.orders[0] = {3}; }), HasSubstr("single facing"));
+  EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.orders[0] = {3}; }),
+              HasSubstr("the facing is single"));
   EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.cell_orders[5] = 2; }), HasSubstr("names order 2"));
   EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.cell_orders.pop_back(); }), HasSubstr("319 cells"));
   EXPECT_THAT(refusal([](OrderedPrimitive& e) {
@@ -469,7 +470,7 @@ TEST(BadArguments, AreRefusedBeforeAnythingIsWritten) {
               }),
               HasSubstr("base sequence"));
   EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.sphere.radius = NAN; }), HasSubstr("sphere"));
-  EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.valid_to = 0; }), HasSubstr("no range"));
+  EXPECT_THAT(refusal([](OrderedPrimitive& e) { e.orders.valid_to = 0; }), HasSubstr("not a range"));
   EXPECT_THAT(refusal([](OrderedPrimitive& e) {
                 e.error.emplace();
                 e.error->ipr_mean = NAN;

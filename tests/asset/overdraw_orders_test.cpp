@@ -1,5 +1,5 @@
-// Overdraw orders in glTF files: patches, model ranks and key frames come back as they were written, in every
-// encoding, are shared between primitives, and come off again.
+// Overdraw orders in glTF files: patches, model ranks and key frames are read as they were written, in every
+// encoding, are shared between primitives, and can be removed again.
 #include "gltf_helpers.h"
 
 namespace pellucid::test {
@@ -136,7 +136,7 @@ TEST_P(EveryOverdrawForm, SharesTablesBetweenPrimitives) {
   EXPECT_EQ(spheres["count"], 4);
 }
 
-TEST_P(EveryOverdrawForm, ComesOffWithoutATrace) {
+TEST_P(EveryOverdrawForm, IsRemovedWithoutATrace) {
   Random random(11);
   const std::string original = moving_pyramids().save(path("plain"));
   write_model(read_model(original), {}, path("passed"));
@@ -194,7 +194,7 @@ TEST(ValidatorFiles, OverdrawFormsAreWritten) {
 
 // ------------------------------------------------------------------------------------------ special forms
 
-TEST(OverdrawOrders, PatchesBringTheirBaseAlongEvenUnasked) {
+TEST(OverdrawOrders, WritesTheBaseOfPatchesEvenWhereItIsNotAskedFor) {
   const TempFolder folder;
   Random random(13);
   const Mesh mesh = random_mesh(random, 30, 40);
@@ -220,7 +220,7 @@ TEST(OverdrawOrders, PatchesBringTheirBaseAlongEvenUnasked) {
   }
 }
 
-TEST(OverdrawOrders, OfAPrimitiveThatKeepsItsTrianglesAreIndices) {
+TEST(OverdrawOrders, StoresIndicesWhereTheTrianglesMustStay) {
   const TempFolder folder;
   HandMade file = pyramid();
   file.primitive()["extensions"]["EXT_mesh_primitive_edge_visibility"] = {{"visibility", 0}};

@@ -1,5 +1,5 @@
-// Reading what moves a glTF model: every legal form of joints, morph targets and key frames, everything else
-// a clear refusal.
+// Reading what moves a glTF model: every legal form of joints, morph targets and key frames is read, and all
+// other files are refused with a clear message.
 #include "pellucid/animation.h"
 #include "rigs.h"
 
@@ -214,7 +214,7 @@ TEST(RigAnimations, OtherFormatsHaveNone) {
   EXPECT_FALSE(rig.primitives.empty());
 }
 
-TEST(RigPrimitives, SplitBeforeReadingIsTheCallersMistake) {
+TEST(RigPrimitives, RefusesPrimitivesThatWereSplit) {
   const TempFolder folder;
   Model model = read_model(ribbon().save(folder / "rig.glb"));
   model.primitives[0].new_vertices.emplace();
@@ -377,7 +377,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRig{
             "NoTimes",
             [](HandMade& f) { f.json["accessors"][sampler(f, 0)["input"].get<std::size_t>()]["count"] = 0; },
-            "without key frames"},
+            "has no key frames"},
         BadRig{"IntegerTimes",
                [](HandMade& f) {
                  sampler(f, 0)["input"] =
@@ -417,7 +417,7 @@ INSTANTIATE_TEST_SUITE_P(
                [](HandMade& f) {
                  f.json["nodes"][2]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
                },
-               "can not be animated"},
+               "cannot be animated"},
         BadRig{"Cycle", [](HandMade& f) { f.json["nodes"][2]["children"] = {1}; }, "ancestor"}),
     [](const auto& test) { return test.param.name; });
 

@@ -1,5 +1,5 @@
-// Primitives that were split, written into their glTF: every kind of attribute gets the new vertices, nothing
-// else changes.
+// Writing primitives that were split into their glTF: every kind of attribute gets the new vertices, and
+// nothing else changes.
 #include <map>
 
 #include "gltf_helpers.h"

@@ -1,0 +1,91 @@
+// Internal to the module `asset`: changes to a glTF document that leave everything else where it is. In: a
+// document. Out: the document with accessors, buffer views and bytes appended or overwritten. They are only
+// ever appended at the end or removed from the end, so that no index in the file changes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "asset/gltf/document.h"
+
+namespace pellucid {
+
+// The componentType of unsigned integers.
+enum class IndexWidth : std::uint32_t { one_byte = 5121, two_bytes = 5123, four_bytes = 5125 };
+constexpr std::uint64_t bytes_of(IndexWidth width) {
+  return width == IndexWidth::one_byte ? 1 : width == IndexWidth::two_bytes ? 2 : 4;
+}
+// Returns the width of indices into this many vertices, which bytes_per_index() of pellucid/sequencing.h
+// decides.
+IndexWidth vertex_index_width(std::uint64_t vertices);
+// Returns the narrowest width for values below `count`: ids of triangles and patches, offsets, numbers of
+// orders. These are not vertex indices, so the largest value of a width is allowed, and 65,536 of them fit in
+// 16 bits.
+IndexWidth value_width(std::uint64_t count);
+// Returns the values in little-endian order, back to back.
+Bytes pack(std::span<const std::uint32_t> values, IndexWidth width);
+
+class DocumentEditor {
+ public:
+  explicit DocumentEditor(GltfDocument document);
+
+  [[nodiscard]] GltfDocument& document() { return document_; }
+  [[nodiscard]] Json& primitive(std::uint32_t mesh, std::uint32_t index);
+
+  // Returns the buffer that new data goes to: the first one, or a new one where the first has no bytes.
+  std::uint64_t host_buffer();
+  std::uint64_t append_buffer(BufferStorage storage);
+  // Bytes at the end of a buffer, aligned to 4. `padding` (0 to 3) zeros stand before them. The number is
+  // recorded in the extras of the view that refers to the bytes, so that they can be removed again exactly.
+  struct Range {
+    std::uint64_t buffer, offset, length, padding;
+  };
+  Range append_bytes(std::uint64_t buffer, const Bytes& bytes);
+  std::uint64_t append_view(const Range& range);
+  // Appends a view whose bytes lie compressed at `compressed` (EXT_meshopt_compression, mode INDICES) and
+  // uncompressed at `fallback`.
+  std::uint64_t append_compressed_view(const Range& fallback, const Range& compressed, IndexWidth width);
+  std::uint64_t append_accessor(std::uint64_t view, std::uint64_t offset, IndexWidth width,
+                                std::uint64_t count);
+  std::uint64_t append_accessor(Json accessor);
+
+  // Overwrites bytes of a buffer.
+  void overwrite(std::uint64_t buffer, std::uint64_t offset, const Bytes& bytes);
+
+  // Removes the order extension from every primitive, with its accessors, views, bytes and buffers where they
+  // are the last ones of the file. What another program has moved away from the end stays in the file,
+  // unused.
+  void remove_orders();
+
+  void declare_extension(const char* name);
+
+ private:
+  Bytes& mutable_bytes(std::uint64_t buffer);
+  std::uint64_t append(const char* array, Json value);
+  void withdraw_extension(const char* name);
+  void pop_accessors(const std::vector<std::uint64_t>& removable);
+  void pop_views(const std::vector<std::uint64_t>& removable);
+  void cut_off(const std::vector<Json>& popped_views);
+  [[nodiscard]] std::uint64_t used_end(std::uint64_t buffer) const;
+  void pop_buffers(const std::vector<std::uint64_t>& removable);
+  void pop_last(const char* array);
+
+  GltfDocument document_;
+  std::vector<std::shared_ptr<Bytes>> owned_;  // mutable copies of buffers, made on the first change
+};
+
+// Returns for each accessor of a document whether it may be overwritten in place: exactly one primitive draws
+// with it as its indices, nothing else refers to it, and no other view or accessor shares a byte with it.
+// Sparse, compressed and strided accessors never qualify.
+std::vector<bool> exclusive_index_accessors(const GltfDocument& document);
+
+// Gives `json`, the primitive in the editor's document that `primitive` was read from, accessors of its own.
+// They hold the old vertices and, after them, primitive.new_vertices with interpolated attributes. The
+// accessors that were there stay, because others may use them. Component types and flags stay as they are,
+// except that quantised positions become floats: a new vertex that is off its plane would cause new
+// intersections.
+void append_split_vertices(DocumentEditor& editor, Json& json, const Primitive& primitive);
+
+}  // namespace pellucid

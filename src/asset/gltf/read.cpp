@@ -1,0 +1,277 @@
+// Reads glTF 2.0 (.gltf and .glb) as a Model: primitives of any topology, material flags, orders, instances
+// and notes.
+//
+// tinygltf is not used, because the document must come out again as it was. tinygltf keeps only what it knows
+// and checks few of the bounds that hostile files break, and it would parse the file a second time, because
+// writing needs the whole document.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "asset/formats/reader.h"
+#include "asset/gltf/accessors.h"
+#include "asset/gltf/scene.h"
+#include "asset/order_extension/order_extension.h"
+
+namespace pellucid {
+namespace {
+
+enum Mode : std::uint64_t { triangle_list = 4, triangle_strip = 5, triangle_fan = 6, last_mode = 6 };
+
+// Returns the triangles of the three topologies (section 3.7.2.1).
+std::vector<Triangle> assemble(const Fields& primitive, std::uint64_t mode,
+                               const std::vector<std::uint32_t>& v) {
+  std::vector<Triangle> triangles;
+  if (mode == triangle_list) {
+    if (v.size() % 3 != 0) {
+      primitive.fail("it lists triangles, but its " + std::to_string(v.size()) +
+                     " corners are no multiple of 3");
+    }
+    triangles.resize(v.size() / 3);
+    for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+    return triangles;
+  }
+  if (v.size() < 3) return triangles;
+  triangles.resize(v.size() - 2);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (mode == triangle_strip) {
+      triangles[i] = {v[i], v[i + 1 + i % 2], v[i + 2 - i % 2]};
+    } else {
+      triangles[i] = {v[i + 1], v[i + 2], v[0]};
+    }
+  }
+  return triangles;
+}
+
+// Reads the indices of a primitive. Without indices, every vertex is drawn once, in file order.
+std::vector<std::uint32_t> read_corners(const Fields& primitive, AccessorReader& accessors,
+                                        std::uint64_t vertices) {
+  const auto indices = primitive.find_index("indices");
+  std::vector<std::uint32_t> corners;
+  if (!indices) {
+    corners.resize(vertices);
+    for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<std::uint32_t>(i);
+    return corners;
+  }
+  corners = accessors.read_scalars(*indices);
+  const std::uint32_t restart = accessors.restart_value(*indices);
+  for (const std::uint32_t corner : corners) {
+    if (corner < vertices && corner != restart) continue;
+    const bool is_restart = corner == restart;
+    accessors.accessor(*indices).fail(
+        "index " + std::to_string(corner) + " of " + primitive.place() +
+        (is_restart ? " is the primitive restart value, which glTF forbids"
+                    : " is out of range: there are " + std::to_string(vertices) + " vertices"));
+  }
+  return corners;
+}
+
+// Makes normals unit length, as Mesh promises. Quantised normals are only nearly so.
+void normalize(std::vector<Vec3f>& normals) {
+  for (Vec3f& normal : normals) normal = to_float(normalized(to_double(normal)));
+}
+
+void read_geometry(const Fields& fields, AccessorReader& accessors, std::uint64_t mode,
+                   Primitive& primitive) {
+  const Fields attributes = fields.object("attributes");
+  primitive.mesh.positions = accessors.read_vec3(attributes.index("POSITION"));
+  const std::uint64_t vertices = primitive.mesh.positions.size();
+  if (const auto normals = attributes.find_index("NORMAL")) {
+    if (accessors.count(*normals) != vertices) {
+      fields.fail("it has " + std::to_string(accessors.count(*normals)) + " normals for " +
+                  std::to_string(vertices) + " positions");
+    }
+    primitive.mesh.normals = accessors.read_vec3(*normals);
+    normalize(primitive.mesh.normals);
+  }
+  primitive.mesh.triangles = assemble(fields, mode, read_corners(fields, accessors, vertices));
+}
+
+AlphaMode parse_alpha_mode(const Fields& material) {
+  const std::string mode = material.text_or("alphaMode", "OPAQUE");
+  if (mode == "OPAQUE") return AlphaMode::opaque;
+  if (mode == "MASK") return AlphaMode::mask;
+  if (mode == "BLEND") return AlphaMode::blend;
+  material.fail("alphaMode " + mode.substr(0, 20) + " does not exist");
+}
+
+void read_material(const Fields& root, const Fields& fields, Primitive& primitive) {
+  primitive.alpha_mode = AlphaMode::opaque;
+  primitive.double_sided = false;
+  primitive.has_material = true;  // without one it has glTF's default
+  const auto index = fields.find_index("material");
+  if (!index) return;
+  const Fields material = root.element("materials", *index);
+  primitive.alpha_mode = parse_alpha_mode(material);
+  primitive.double_sided = material.flag_or("doubleSided", false);
+  primitive.material_name = short_name(material.text_or("name", ""));
+  if (const auto pbr = material.find_object("pbrMetallicRoughness")) {
+    const std::vector<double> color = pbr->numbers("baseColorFactor", 4);
+    for (std::size_t k = 0; k < color.size(); ++k) primitive.base_color[k] = static_cast<float>(color[k]);
+  }
+}
+
+// Returns the mode of a primitive; 4 (triangles) where it has none.
+std::uint64_t primitive_mode(const Fields& primitive) {
+  const std::uint64_t mode = primitive.index_or("mode", triangle_list);
+  if (mode > last_mode) primitive.fail("mode " + std::to_string(mode) + " does not exist");
+  return mode;
+}
+
+// `fields` is meshes[mesh].primitives[index], `root` the whole document. Fills all of the primitive except
+// mesh_index, primitive_index, name, and `deforms` for skins.
+Primitive read_primitive(const Fields& root, const Fields& fields, AccessorReader& accessors) {
+  Primitive primitive;
+  const std::uint64_t mode = primitive_mode(fields);
+  if (fields.extension("KHR_draco_mesh_compression")) {
+    fields.fail("it is compressed with KHR_draco_mesh_compression, which is not read; decompress it first");
+  }
+  read_material(root, fields, primitive);
+  primitive.deforms = fields.size("targets") > 0;
+  primitive.triangles = mode >= triangle_list && fields.object("attributes").has("POSITION");
+  const auto extension = fields.extension(kOrderExtension);
+  if (extension && (!primitive.triangles || mode != triangle_list)) {
+    extension->fail("orders need a primitive of mode 4 with positions");
+  }
+  if (!primitive.triangles) return primitive;
+  read_geometry(fields, accessors, mode, primitive);
+  if (extension) {
+    StoredOrders stored =
+        read_order_extension(*extension, primitive.mesh, accessors, root.size("animations"));
+    primitive.orders = std::move(stored.orders);
+    primitive.order_error = std::move(stored.error);
+  }
+  return primitive;
+}
+
+// A mesh of many primitives under many nodes gives very many instances.
+constexpr std::size_t kMaxInstances = std::size_t{1} << 20U;
+
+// Extensions that change the data that pellucid reads, and that it understands.
+constexpr std::array kUnderstood = {kOrderExtension, kMeshoptExtension, kKhrMeshoptExtension,
+                                    "KHR_mesh_quantization"};
+
+class GltfModelReader {
+ public:
+  GltfModelReader(const std::string& path, const ReadOptions& options)
+      : document_(std::make_shared<GltfDocument>(load_document(path))),
+        root_(document_->path, document_->json, ""),
+        accessors_(*document_, options) {}
+
+  Model read() {
+    model_.path = document_->path;
+    const auto& buffers = document_->buffers;
+    const bool binary = !buffers.empty() && buffers[0].storage == BufferStorage::binary_chunk;
+    model_.format = binary || document_->path.ends_with(".glb") ? "glb" : "gltf";
+    read_meshes();
+    read_instances();
+    read_animations();
+    note_extensions();
+    model_.document = document_;
+    return std::move(model_);
+  }
+
+ private:
+  void read_meshes() {
+    for (std::uint64_t m = 0; m < root_.size("meshes"); ++m) {
+      const Fields mesh = root_.element("meshes", m);
+      const std::string name = short_name(mesh.text_or("name", "mesh " + std::to_string(m)));
+      const std::uint64_t count = mesh.size("primitives");
+      first_primitive_.push_back(model_.primitives.size());
+      for (std::uint64_t p = 0; p < count; ++p) {
+        Primitive primitive = read_primitive(root_, mesh.element("primitives", p), accessors_);
+        primitive.name = count > 1 ? name + "#" + std::to_string(p) : name;
+        primitive.mesh_index = static_cast<std::uint32_t>(m);
+        primitive.primitive_index = static_cast<std::uint32_t>(p);
+        model_.primitives.push_back(std::move(primitive));
+      }
+    }
+    first_primitive_.push_back(model_.primitives.size());
+  }
+
+  void read_instances() {
+    std::uint64_t skinned = 0;
+    std::uint64_t gpu_instanced = 0;
+    for_each_node(root_, [&](const Fields& node, std::uint64_t /*index*/, const Mat4& world) {
+      const auto mesh = node.find_index("mesh");
+      if (!mesh) return;
+      if (*mesh + 1 >= first_primitive_.size())
+        node.fail("mesh " + std::to_string(*mesh) + " does not exist");
+      if (node.has("skin")) ++skinned;
+      if (node.extension("EXT_mesh_gpu_instancing")) ++gpu_instanced;
+      const std::string name = short_name(node.text_or("name", ""));
+      for (std::size_t p = first_primitive_[*mesh]; p < first_primitive_[*mesh + 1]; ++p) {
+        if (model_.instances.size() == kMaxInstances)
+          node.fail("the scene draws more than a million primitives");
+        if (node.has("skin")) model_.primitives[p].deforms = true;
+        model_.instances.push_back({name, static_cast<std::uint32_t>(p), world});
+      }
+    });
+    if (skinned > 0) note(plural(skinned, "skinned mesh", "skinned meshes") + ": only overdraw orders hold");
+    if (gpu_instanced > 0) {
+      note(plural(gpu_instanced, "node", "nodes") +
+           " with EXT_mesh_gpu_instancing: kept, counted as one instance each");
+    }
+  }
+
+  void read_animations() {
+    const std::uint64_t count = root_.size("animations");
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::string fallback = "animation " + std::to_string(i);
+      model_.animation_names.push_back(short_name(root_.element("animations", i).text_or("name", fallback)));
+    }
+    if (count > 0) note(plural(count, "animation", "animations"));
+  }
+
+  void note_extensions() {
+    std::uint64_t transmissive = 0;
+    for (std::uint64_t i = 0; i < root_.size("materials"); ++i) {
+      if (root_.element("materials", i).extension("KHR_materials_transmission")) ++transmissive;
+    }
+    if (transmissive > 0) {
+      note(plural(transmissive, "material", "materials") +
+           " with KHR_materials_transmission: kept, drawn by alphaMode");
+    }
+    const Json* used = root_.find_array("extensionsUsed");
+    if (used == nullptr) return;
+    for (const Json& name : *used) {
+      if (!name.is_string()) root_.fail("extensionsUsed holds something that is not a string");
+      const auto text = name.get<std::string>();
+      const bool told = text == "KHR_materials_transmission" || text == "EXT_mesh_gpu_instancing";
+      const bool understood = std::find(kUnderstood.begin(), kUnderstood.end(), text) != kUnderstood.end();
+      if (!told && !understood) note(short_name(text) + " kept, not read");
+    }
+  }
+
+  void note(std::string text) { model_.notes.push_back(std::move(text)); }
+
+  static std::string plural(std::uint64_t count, const char* one, const char* many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+  }
+
+  std::shared_ptr<GltfDocument> document_;
+  Fields root_;
+  AccessorReader accessors_;
+  Model model_;
+  std::vector<std::size_t> first_primitive_;  // of every mesh, and the end
+};
+
+Model read_gltf(const std::string& path, const ReadOptions& options) {
+  return GltfModelReader(path, options).read();
+}
+
+// Returns whether it is a .glb, which names itself, or JSON, which begins with a brace.
+bool begins_as_gltf(std::string_view bytes) {
+  if (bytes.starts_with("glTF")) return true;
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && bytes[first] == '{';
+}
+
+}  // namespace
+
+FormatReader gltf_reader() {
+  return {"gltf", {".glb", ".gltf"}, begins_as_gltf, read_gltf};
+}
+
+}  // namespace pellucid

@@ -1,0 +1,125 @@
+// Implements uris.h.
+#include "asset/gltf/uris.h"
+
+#include <array>
+#include <cctype>
+
+namespace pellucid {
+namespace {
+
+constexpr std::string_view kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::uint8_t kNotBase64 = 255;
+
+constexpr std::array<std::uint8_t, 256> base64_values() {
+  std::array<std::uint8_t, 256> values{};
+  values.fill(kNotBase64);
+  for (std::size_t i = 0; i < kBase64.size(); ++i) {
+    values[static_cast<unsigned char>(kBase64[i])] = static_cast<std::uint8_t>(i);
+  }
+  return values;
+}
+
+// Padding is optional, as in browsers. Any other character out of place makes the text malformed.
+std::optional<Bytes> decode_base64(std::string_view text) {
+  static constexpr auto kValues = base64_values();
+  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+  if (text.size() % 4 == 1) return std::nullopt;
+  Bytes bytes;
+  bytes.reserve(text.size() / 4 * 3 + 2);
+  std::uint32_t bits = 0;
+  unsigned bit_count = 0;
+  for (const char c : text) {
+    const std::uint8_t value = kValues[static_cast<unsigned char>(c)];
+    if (value == kNotBase64) return std::nullopt;
+    bits = (bits << 6U) | value;
+    bit_count += 6;
+    if (bit_count >= 8) {
+      bit_count -= 8;
+      bytes.push_back(static_cast<std::byte>((bits >> bit_count) & 255U));
+    }
+  }
+  return bytes;
+}
+
+std::optional<unsigned> hex_digit(char c) {
+  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
+  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
+  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
+  return std::nullopt;
+}
+
+// "scheme:" before any '/', '?' or '#'.
+bool has_scheme(std::string_view uri) {
+  const std::size_t colon = uri.find(':');
+  return colon != std::string_view::npos && uri.find_first_of("/?#") > colon;
+}
+
+}  // namespace
+
+bool is_data_uri(std::string_view uri) {
+  return uri.starts_with("data:");
+}
+
+std::optional<Bytes> decode_data_uri(std::string_view uri) {
+  const std::size_t comma = uri.find(',');
+  if (!is_data_uri(uri) || comma == std::string_view::npos) return std::nullopt;
+  if (!uri.substr(0, comma).ends_with(";base64")) return std::nullopt;
+  return decode_base64(uri.substr(comma + 1));
+}
+
+std::string encode_data_uri(const Bytes& bytes) {
+  std::string uri = "data:application/octet-stream;base64,";
+  uri.reserve(uri.size() + (bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = (bits << 8U) | (k < count ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      uri.push_back(k <= count ? kBase64[(bits >> (18U - 6U * k)) & 63U] : '=');
+    }
+  }
+  return uri;
+}
+
+std::optional<std::string> decode_relative_uri(std::string_view uri) {
+  if (uri.empty() || uri.front() == '/' || uri.front() == '\\' || has_scheme(uri)) return std::nullopt;
+  std::string path;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '\0') return std::nullopt;
+    if (uri[i] != '%') {
+      path.push_back(uri[i]);
+      continue;
+    }
+    if (i + 2 >= uri.size()) return std::nullopt;
+    const auto high = hex_digit(uri[i + 1]);
+    const auto low = hex_digit(uri[i + 2]);
+    if (!high || !low || (*high == 0 && *low == 0)) return std::nullopt;
+    path.push_back(static_cast<char>(*high * 16 + *low));
+    i += 2;
+  }
+  // An escaped '/' must not make the path absolute.
+  if (path.front() == '/') return std::nullopt;
+  return path;
+}
+
+std::string encode_relative_uri(std::string_view path) {
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  std::string uri;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte < 128 && (std::isalnum(byte) != 0 ||
+                                      std::string_view("-._~/").find(c) != std::string_view::npos);
+    if (plain) {
+      uri.push_back(c);
+    } else {
+      uri.push_back('%');
+      uri.push_back(kHex[byte >> 4U]);
+      uri.push_back(kHex[byte & 15U]);
+    }
+  }
+  return uri;
+}
+
+}  // namespace pellucid

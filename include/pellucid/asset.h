@@ -86,7 +86,6 @@ enum class OrderEncoding {
   meshopt,  // the same, as EXT_meshopt_compression; their uncompressed copy, which that extension demands of
             // files that do not require it, goes to OUT.orders-fallback.bin and is fetched by nobody
 };
-enum class SortDirection { front_to_back, back_to_front };
 
 struct OrderedPrimitive {
   std::uint32_t primitive = 0;  // index into Model::primitives

@@ -19,14 +19,13 @@ class PositionView {
  public:
   PositionView() = default;
   template <std::convertible_to<std::span<const Vec3f>> Range>
-  PositionView(
-      const Range& positions) {  // NOLINT(google-explicit-constructor): {positions, indices} is a mesh
+  PositionView(const Range& positions) {
     const std::span<const Vec3f> span = positions;
     *this = PositionView(span.empty() ? nullptr : &span.front().x, span.size());
   }
   // Throws Error{bad_argument} unless the number of floats is a multiple of 3.
   template <std::convertible_to<std::span<const float>> Range>
-  PositionView(const Range& xyz) {  // NOLINT(google-explicit-constructor)
+  PositionView(const Range& xyz) {
     *this = of_floats(xyz);
   }
   // `stride_bytes` lie between the beginnings of neighbours. Throws Error{bad_argument} for a null pointer to
@@ -50,11 +49,11 @@ class IndexView {
  public:
   IndexView() = default;
   template <std::convertible_to<std::span<const std::uint32_t>> Range>
-  IndexView(const Range& indices) : wide_(indices) {}  // NOLINT(google-explicit-constructor)
+  IndexView(const Range& indices) : wide_(indices) {}
   template <std::convertible_to<std::span<const std::uint16_t>> Range>
-  IndexView(const Range& indices) : narrow_(indices) {}  // NOLINT(google-explicit-constructor)
+  IndexView(const Range& indices) : narrow_(indices) {}
   template <std::convertible_to<std::span<const Triangle>> Range>
-  IndexView(const Range& triangles) : triangles_(triangles) {}  // NOLINT(google-explicit-constructor)
+  IndexView(const Range& triangles) : triangles_(triangles) {}
 
   [[nodiscard]] std::size_t size() const { return wide_.size() + narrow_.size() + 3 * triangles_.size(); }
   [[nodiscard]] std::uint32_t operator[](std::size_t i) const {

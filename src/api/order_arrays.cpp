@@ -76,7 +76,7 @@ OrderSet as_order_set(const OverdrawOrders& made, const Mesh& mesh, const Overdr
 
 }  // namespace
 
-// ------------------------------------------------------------------------------------------ the caller's
+// ---------------------------------------------------------------------------------------- the caller's
 // arrays
 
 PositionView::PositionView(const float* first, std::size_t vertices, std::size_t stride_bytes)

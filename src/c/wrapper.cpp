@@ -61,7 +61,7 @@ PellucidStatus fail_with_current_exception() noexcept {
   }
 }
 
-// -------------------------------------------------------------------------------------------- the caller's
+// ---------------------------------------------------------------------------------------- the caller's
 // arrays
 
 IndexView view_of_indices(const void* indices, std::uint32_t index_bytes, std::uint64_t count) {
@@ -93,8 +93,7 @@ Facing facing_of(PellucidFacing facing) {
   return facing == pellucid_facing_single ? Facing::single : Facing::duplicated;
 }
 
-// -------------------------------------------------------------------------------------------------------
-// progress
+// -------------------------------------------------------------------------------------------------- progress
 
 void CallbackProgress::begin(std::string_view name, std::uint64_t total) {
   const std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
-/* Which index buffer shades the fewest hidden pixels of an animated model from here, now? What a renderer
- * does with orders of purpose "overdraw".
+/* Selects the index buffer that shades the fewest hidden pixels of an animated model, for a camera and a
+ * time. A renderer does this with orders of purpose "overdraw".
  *
  *   cc -std=c99 -Iinclude examples/select_animated.c -lm -o select_animated && ./select_animated */
 #include <stdio.h>

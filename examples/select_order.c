@@ -1,4 +1,4 @@
-/* Which index buffer to draw from here? All that a renderer needs of pellucid at run time.
+/* Selects the index buffer to draw for a camera. This is all that a renderer needs of pellucid at run time.
  *
  *   cc -std=c99 -Iinclude examples/select_order.c -lm -o select_order && ./select_order */
 #include <stdio.h>

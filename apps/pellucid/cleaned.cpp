@@ -1,4 +1,4 @@
-// Orders between clean meshes and file meshes: see cleaned.h.
+// The clean mesh of a primitive: see cleaned.h.
 #include "cleaned.h"
 
 #include <limits>

@@ -1,4 +1,5 @@
-// Orders are made for clean meshes and stored for the file's own triangles: the way there and back.
+// The clean mesh of a primitive of a file, with the orders that the file has. In: a primitive as it was read.
+// Out: its mesh without triangles that draw nothing, and its orders for these triangles.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +12,13 @@
 
 namespace pellucid::cli {
 
-// Only the vertices that triangles use, in their order.
+// Returns the mesh with only the vertices that its triangles use, in the same order.
 Mesh compacted(const Mesh& mesh);
 
-// Does it have orders that promise right pictures of translucent faces? Overdraw orders are none.
+// Returns whether a primitive has transparency orders. Overdraw orders are none.
 bool has_transparency_orders(const Primitive& primitive);
 
-// A primitive as it is measured and drawn: clean, its orders (if any) referring to the clean mesh.
+// A primitive as it is measured and drawn. Orders, if there are any, refer to the clean mesh.
 struct CleanPrimitive {
   Mesh mesh;
   std::optional<OrderSet> orders;           // for transparency

@@ -116,12 +116,9 @@ struct OrderedOne {
 OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommandOptions& options,
                      Session& session, double& seconds_validate) {
   const Primitive& primitive = model.primitives[index];
-  const CleanMesh clean_mesh = clean(primitive.mesh, options.clean, model.path + ": " + primitive.name);
+  const CleanMesh clean_mesh =
+      clean_to_order(primitive.mesh, options.clean, model.path + ": " + primitive.name);
   const Mesh& mesh = clean_mesh.mesh;
-  if (mesh.triangles.empty()) {
-    throw Error(ErrorKind::nothing_to_do,
-                fmt::format("{}: {}: no triangle is left after cleaning", model.path, primitive.name));
-  }
   OrderOptions order = options.order;
   order.facing = facing_of(model, primitive, options.facing);
   order.progress = session.progress();

@@ -1,21 +1,21 @@
-/* Order a mesh, pick the order for an eye, and say how good it is - from C.
+/* Orders a mesh, measures the orders, and selects the order for an eye, in C.
  *
- *   order_mesh                      a mesh that is made here
- *   order_mesh MODEL OUT.glb        the first primitive of a model; its orders go to OUT.glb
+ *   order_mesh                      orders a mesh that is made here
+ *   order_mesh MODEL OUT.glb        orders the first primitive of a model, and writes OUT.glb
  *
  *   cc -std=c99 order_mesh.c $(pkg-config --cflags --libs pellucid-c) -lm -o order_mesh */
 #include <pellucid/c/pellucid.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Every call answers with a status; the text says what was wrong. */
+/* Every call returns a status. The text says what was wrong. */
 static void check(PellucidStatus status) {
   if (status == pellucid_ok) return;
   fprintf(stderr, "order_mesh: %s\n", pellucid_last_error());
   exit(1);
 }
 
-/* Answer something else than 0 to stop. */
+/* Return anything but 0 to stop. */
 static int show_progress(void* user, const char* stage, uint64_t done, uint64_t total) {
   (void)user;
   if (total > 0) fprintf(stderr, "\r%-10s %3.0f %% ", stage, 100.0 * (double)done / (double)total);
@@ -25,7 +25,7 @@ static int show_progress(void* user, const char* stage, uint64_t done, uint64_t 
 #define AROUND 32
 #define ACROSS 12
 
-/* A torus: concave, so that one order does not serve all views. */
+/* A torus overlaps itself, so that one order does not serve all views. */
 static PellucidMesh make_torus(void) {
   static float positions[AROUND * ACROSS][3];
   static uint32_t indices[AROUND * ACROSS * 2][3];
@@ -57,7 +57,7 @@ static PellucidOrderSet* order(const PellucidMesh* mesh, PellucidFacing facing) 
   pellucid_order_options_init(&options, sizeof options);
   options.run.progress = show_progress;
   options.facing = facing;
-  options.views = "S1,1"; /* 80 cells: quick. The default, "S2,2", has 320 and is what the results are of */
+  options.views = "S1,1"; /* 80 view cells are quick. The default, "S2,2", has 320. */
   check(pellucid_order_mesh(mesh, &options, &orders));
   fprintf(stderr, "\n");
   return orders;
@@ -75,11 +75,11 @@ static void print_figures(const PellucidMesh* mesh, const PellucidOrderSet* orde
   options.size = 256;
   check(pellucid_measure_blending(mesh, orders, &options, &presorted));
   check(pellucid_measure_blending(mesh, NULL, &options, &stored));
-  printf("wrong pixels: %.3f %% presorted, %.1f %% in stored order; PSNR %.1f and %.1f dB\n",
+  printf("wrong pixels: %.3f %% in draw order, %.1f %% in stored order; PSNR %.1f and %.1f dB\n",
          100 * presorted.ipr_mean, 100 * stored.ipr_mean, presorted.psnr_mean, stored.psnr_mean);
 }
 
-/* What a program does once, and what it does in every frame. */
+/* Uploads the order for an eye. A program gets the selector once, and selects an order in every frame. */
 static void draw_from(const PellucidOrderSet* orders, uint32_t vertex_count, const double eye[3]) {
   static const double world[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   PellucidOrders selector;
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
   if (argc == 3) {
     check(pellucid_read_model(argv[1], &model));
     check(pellucid_model_primitive(model, 0, &primitive, sizeof primitive));
-    mesh = primitive.mesh; /* its arrays are the model's */
+    mesh = primitive.mesh; /* its arrays belong to the model */
   }
   orders = order(&mesh,
                  argc == 3 && !primitive.double_sided ? pellucid_facing_single : pellucid_facing_duplicated);

@@ -1,47 +1,82 @@
-// Order a mesh that a program made itself, and ask which buffer draws it from a camera.
-#include <pellucid/sequencing.h>
-#include <pellucid/transparency.h>
+// Orders a translucent mesh that the program made itself, and draws it from three cameras. In the place of a
+// renderer, this program prints.
+#include <pellucid/pellucid.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <iostream>
+#include <vector>
 
 namespace {
 
-// A torus: concave, so that one order does not serve all views.
-pellucid::Mesh make_torus(std::uint32_t around, std::uint32_t across) {
-  constexpr float kPi = 3.14159265F;
-  pellucid::Mesh mesh;
-  for (std::uint32_t i = 0; i < around; ++i) {
-    for (std::uint32_t j = 0; j < across; ++j) {
-      const float u = 2 * kPi * static_cast<float>(i) / static_cast<float>(around);
-      const float v = 2 * kPi * static_cast<float>(j) / static_cast<float>(across);
+struct Renderer {
+  void upload(const std::vector<std::byte>& bytes, std::uint32_t bytes_per_index) {
+    std::cout << "uploads " << bytes.size() / bytes_per_index << " indices of " << bytes_per_index
+              << " bytes\n";
+  }
+  void draw_indexed(const pellucid::IndexRange& range, bool is_fallback) {
+    std::cout << "draws indices " << range.first << " .. " << range.first + range.count - 1
+              << (is_fallback ? ", the fallback\n" : "\n");
+  }
+};
+
+// The README shows this class; tests/api/readme_example.cmake compares the two.
+// A translucent mesh: its orders are made once, and one of them is chosen in every frame.
+class TranslucentMesh {
+ public:
+  TranslucentMesh(const std::vector<pellucid::Vec3f>& positions, const std::vector<std::uint32_t>& indices,
+                  Renderer& renderer)
+      : orders_(pellucid::order({positions, indices}, {.max_error = 0.001})),
+        buffer_(orders_.index_buffer(pellucid::SortDirection::back_to_front)) {
+    renderer.upload(buffer_.bytes, buffer_.bytes_per_index);  // all orders; the vertices stay as they are
+  }
+
+  void draw(const pellucid::Mat4& world_from_mesh, const pellucid::Vec3d& camera, Renderer& renderer) const {
+    const pellucid::DrawOrder order = orders_.select(world_from_mesh, camera);
+    renderer.draw_indexed(buffer_.range(order), order.is_fallback);  // blended, with back faces culled
+  }
+
+ private:
+  pellucid::OrderedMesh orders_;
+  pellucid::IndexBuffer buffer_;
+};
+
+// A torus: it overlaps itself, so that one order does not serve all views.
+void make_torus(std::vector<pellucid::Vec3f>& positions, std::vector<std::uint32_t>& indices) {
+  constexpr std::uint32_t kAround = 24;
+  constexpr std::uint32_t kAcross = 8;
+  constexpr float kTwoPi = 6.2831853F;
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    for (std::uint32_t j = 0; j < kAcross; ++j) {
+      const float u = kTwoPi * static_cast<float>(i) / kAround;
+      const float v = kTwoPi * static_cast<float>(j) / kAcross;
       const float radius = 1 + 0.4F * std::cos(v);
-      mesh.positions.push_back({radius * std::cos(u), radius * std::sin(u), 0.4F * std::sin(v)});
-      const std::uint32_t next_i = (i + 1) % around;
-      const std::uint32_t next_j = (j + 1) % across;
-      const std::uint32_t a = i * across + j;
-      const std::uint32_t b = next_i * across + j;
-      const std::uint32_t c = next_i * across + next_j;
-      const std::uint32_t d = i * across + next_j;
-      mesh.triangles.push_back({a, b, c});
-      mesh.triangles.push_back({a, c, d});
+      positions.push_back({radius * std::cos(u), radius * std::sin(u), 0.4F * std::sin(v)});
+      const std::uint32_t next_i = (i + 1) % kAround;
+      const std::uint32_t next_j = (j + 1) % kAcross;
+      const std::uint32_t a = i * kAcross + j;
+      const std::uint32_t b = next_i * kAcross + j;
+      const std::uint32_t c = next_i * kAcross + next_j;
+      const std::uint32_t d = i * kAcross + next_j;
+      indices.insert(indices.end(), {a, b, c, a, c, d});
     }
   }
-  return mesh;
 }
 
 }  // namespace
 
 int main() {
   try {
-    const pellucid::Mesh mesh = make_torus(24, 8);
-    pellucid::OrderOptions options;
-    options.partition = pellucid::parse_partition("S1,1");
-    const pellucid::OrderResult result = pellucid::order_mesh(mesh, options);
-    const std::uint32_t order = pellucid::select_order(result.orders, {0.3, -0.2, 0.9});
-    std::cout << mesh.triangles.size() << " triangles, " << result.orders.orders.size()
-              << " buffers, from above draw buffer " << order << " ("
-              << pellucid::index_buffer(mesh, result.orders.orders[order]).size() << " indices)\n";
+    std::vector<pellucid::Vec3f> positions;
+    std::vector<std::uint32_t> indices;
+    make_torus(positions, indices);
+    Renderer renderer;
+    const TranslucentMesh torus(positions, indices, renderer);
+    // From above, from the side, and from inside the hole, where the fallback is drawn.
+    const pellucid::Mat4 world_from_mesh;
+    for (const pellucid::Vec3d& camera : {pellucid::Vec3d{0.5, 0, 4}, {4, 1, 0.5}, {0, 0, 0.1}})
+      torus.draw(world_from_mesh, camera, renderer);
     return 0;
   } catch (const pellucid::Error& error) {
     std::cerr << error.what() << '\n';

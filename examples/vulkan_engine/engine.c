@@ -28,10 +28,10 @@ static void make_device(Engine* e) {
   uint32_t count = 1;
   VkResult found;
   check(vkCreateInstance(&instance, NULL, &e->instance), "vkCreateInstance");
-  found = vkEnumeratePhysicalDevices(e->instance, &count, &e->gpu); /* the first will do */
+  found = vkEnumeratePhysicalDevices(e->instance, &count, &e->gpu); /* takes the first one */
   if (found == VK_INCOMPLETE) found = VK_SUCCESS;
   check(count == 0 ? VK_ERROR_INITIALIZATION_FAILED : found, "vkEnumeratePhysicalDevices");
-  /* A real engine looks for a queue family; all drivers have graphics in the first one. */
+  /* A real engine looks for a queue family with graphics. In practice the first one has it. */
   e->queue_family = 0;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = e->queue_family,
@@ -65,7 +65,8 @@ static VkDeviceMemory allocate(const Engine* e, const VkMemoryRequirements* need
   return allocated;
 }
 
-/* Memory that the CPU can write. A discrete GPU would have it copied to memory of its own, once. */
+/* Makes a buffer in memory that the CPU can write. An engine for discrete GPUs copies it to device memory
+ * once. */
 static Buffer make_buffer(const Engine* e, size_t bytes, VkBufferUsageFlags usage) {
   const VkBufferCreateInfo info = {
       .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = bytes, .usage = usage};
@@ -80,7 +81,7 @@ static Buffer make_buffer(const Engine* e, size_t bytes, VkBufferUsageFlags usag
   return made;
 }
 
-static void make_picture(Engine* e) {
+static void make_target(Engine* e) {
   const VkImageCreateInfo image = {
       .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
       .imageType = VK_IMAGE_TYPE_2D,
@@ -91,16 +92,16 @@ static void make_picture(Engine* e) {
       .samples = VK_SAMPLE_COUNT_1_BIT,
       .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
   VkMemoryRequirements needs;
-  check(vkCreateImage(e->device, &image, NULL, &e->picture), "vkCreateImage");
-  vkGetImageMemoryRequirements(e->device, e->picture, &needs);
-  e->picture_memory = allocate(e, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  check(vkBindImageMemory(e->device, e->picture, e->picture_memory, 0), "vkBindImageMemory");
+  check(vkCreateImage(e->device, &image, NULL, &e->target), "vkCreateImage");
+  vkGetImageMemoryRequirements(e->device, e->target, &needs);
+  e->target_memory = allocate(e, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  check(vkBindImageMemory(e->device, e->target, e->target_memory, 0), "vkBindImageMemory");
   const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                      .image = e->picture,
+                                      .image = e->target,
                                       .viewType = VK_IMAGE_VIEW_TYPE_2D,
                                       .format = kFormat,
                                       .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-  check(vkCreateImageView(e->device, &view, NULL, &e->picture_view), "vkCreateImageView");
+  check(vkCreateImageView(e->device, &view, NULL, &e->target_view), "vkCreateImageView");
 }
 
 static VkShaderModule make_shader(const Engine* e, const uint32_t* code, size_t bytes) {
@@ -111,9 +112,9 @@ static VkShaderModule make_shader(const Engine* e, const uint32_t* code, size_t 
   return shader;
 }
 
-/* Nothing here is particular to pellucid but two settings: back faces are culled, because orders of meshes
- * with two sides hold the back of a triangle as a triangle of its own; and there is no depth write. (Where
- * opaque things are drawn before, turn the depth test on.) */
+/* Only two settings are particular to pellucid. Back faces are culled, because orders of meshes with two
+ * visible sides hold a flipped copy of each triangle for its back. And depth is not written. (Where opaque
+ * objects are drawn first, turn the depth test on.) */
 static void make_pipeline(Engine* e) {
   const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                                      sizeof(Frame)};
@@ -142,7 +143,7 @@ static void make_pipeline(Engine* e) {
   const VkPipelineInputAssemblyStateCreateInfo assembly = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
       .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-  /* Upside down: with y upwards, counter-clockwise stays counter-clockwise. */
+  /* A negative height makes y point upwards, so that counter-clockwise stays counter-clockwise. */
   const VkViewport viewport = {0, kHeight, kWidth, -kHeight, 0, 1};
   const VkRect2D scissor = {{0, 0}, {kWidth, kHeight}};
   const VkPipelineViewportStateCreateInfo viewports = {
@@ -208,7 +209,7 @@ Engine make_engine(const void* vertices, size_t vertex_bytes, size_t index_bytes
   Engine e = {0};
   make_device(&e);
   make_commands(&e);
-  make_picture(&e);
+  make_target(&e);
   make_pipeline(&e);
   e.vertices = make_buffer(&e, vertex_bytes, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
   e.indices = make_buffer(&e, index_bytes, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
@@ -228,17 +229,18 @@ void free_engine(Engine* e) {
   free_buffer(e, &e->pixels);
   vkDestroyPipeline(e->device, e->pipeline, NULL);
   vkDestroyPipelineLayout(e->device, e->layout, NULL);
-  vkDestroyImageView(e->device, e->picture_view, NULL);
-  vkDestroyImage(e->device, e->picture, NULL);
-  vkFreeMemory(e->device, e->picture_memory, NULL);
+  vkDestroyImageView(e->device, e->target_view, NULL);
+  vkDestroyImage(e->device, e->target, NULL);
+  vkFreeMemory(e->device, e->target_memory, NULL);
   vkDestroyFence(e->device, e->done, NULL);
   vkDestroyCommandPool(e->device, e->pool, NULL);
   vkDestroyDevice(e->device, NULL);
   vkDestroyInstance(e->instance, NULL);
 }
 
-/* Everything after waits for everything before: simple, and right. Engines name stages. */
-static void use_picture_as(const Engine* e, VkImageLayout before, VkImageLayout now) {
+/* Changes the layout of the target. All later commands wait for all earlier ones, which is simple and right;
+ * an engine names the stages. */
+static void use_target_as(const Engine* e, VkImageLayout before, VkImageLayout now) {
   const VkImageMemoryBarrier2 barrier = {
       .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
       .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
@@ -247,7 +249,7 @@ static void use_picture_as(const Engine* e, VkImageLayout before, VkImageLayout 
       .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
       .oldLayout = before,
       .newLayout = now,
-      .image = e->picture,
+      .image = e->target,
       .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
   const VkDependencyInfo dependency = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                                        .imageMemoryBarrierCount = 1,
@@ -258,7 +260,7 @@ static void use_picture_as(const Engine* e, VkImageLayout before, VkImageLayout 
 static void record_draw(const Engine* e, const Frame* frame, uint32_t first, uint32_t count) {
   const VkDeviceSize start = 0;
   const VkRenderingAttachmentInfo target = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                            .imageView = e->picture_view,
+                                            .imageView = e->target_view,
                                             .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                                             .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
                                             .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
@@ -288,7 +290,7 @@ static void record_copy(const Engine* e) {
                                     .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT};
   const VkDependencyInfo dependency = {
       .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &written};
-  vkCmdCopyImageToBuffer(e->commands, e->picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, e->pixels.buffer, 1,
+  vkCmdCopyImageToBuffer(e->commands, e->target, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, e->pixels.buffer, 1,
                          &region);
   vkCmdPipelineBarrier2(e->commands, &dependency);
 }
@@ -302,9 +304,9 @@ const uint8_t* draw(Engine* e, const Frame* frame, uint32_t first, uint32_t coun
                                 .commandBufferInfoCount = 1,
                                 .pCommandBufferInfos = &commands};
   check(vkBeginCommandBuffer(e->commands, &begin), "vkBeginCommandBuffer");
-  use_picture_as(e, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  use_target_as(e, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   record_draw(e, frame, first, count);
-  use_picture_as(e, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  use_target_as(e, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
   record_copy(e);
   check(vkEndCommandBuffer(e->commands), "vkEndCommandBuffer");
   check(vkQueueSubmit2(e->queue, 1, &submit, e->done), "vkQueueSubmit2");

@@ -1,5 +1,4 @@
-/* As much of an engine as it takes: one pipeline that blends, one vertex and one index buffer, one picture.
- */
+/* A minimal engine: one pipeline that blends, one vertex buffer, one index buffer, and one render target. */
 #ifndef ENGINE_H
 #define ENGINE_H
 
@@ -24,26 +23,26 @@ typedef struct Engine {
   VkCommandPool pool;
   VkCommandBuffer commands;
   VkFence done;
-  VkImage picture;
-  VkDeviceMemory picture_memory;
-  VkImageView picture_view;
+  VkImage target;
+  VkDeviceMemory target_memory;
+  VkImageView target_view;
   VkPipelineLayout layout;
   VkPipeline pipeline;
   Buffer vertices, indices, pixels;
 } Engine;
 
-/* What the shaders know of a frame. */
+/* The push constants of a frame. */
 typedef struct Frame {
   float clip_from_world[16]; /* column-major */
   float eye[4];
 } Frame;
 
-/* Vertices are six floats: position, normal. Ends the program where Vulkan fails. */
+/* Makes an engine. Vertices are six floats: position and normal. Where Vulkan fails, the program ends. */
 Engine make_engine(const void* vertices, size_t vertex_bytes, size_t index_bytes);
 void free_engine(Engine* engine);
 
-/* Draw indices first .. first + count - 1 of the index buffer, blended "over" a white ground in their
- * sequence. Returns kHeight rows of kWidth RGBA pixels, which the next call overwrites. */
+/* Draws indices first .. first + count - 1 of the index buffer, blended "over" a white background in this
+ * order. Returns kHeight rows of kWidth RGBA pixels, which the next call overwrites. */
 const uint8_t* draw(Engine* engine, const Frame* frame, uint32_t first, uint32_t count);
 
 #endif

@@ -1,12 +1,13 @@
-/* How an engine draws a translucent mesh with pellucid: order once, choose per frame, never sort.
+/* Shows how an engine draws a translucent mesh with pellucid: it orders the mesh once, selects an order in
+ * every frame, and never sorts.
  *
  *   vulkan_engine OUT.ppm
  *
- * Everything that is about pellucid is in this file, in upload_orders() and in the loop of main(). The orders
- * are made here so that the example needs no file; a game makes them offline (pellucid order) and loads them,
- * from the glTF or from whatever it bakes. The picture: the last frame presorted, and beside it in the order
- * of the mesh. The program fails where presorted frames are not by far the nearer to frames whose triangles
- * were sorted on the CPU. */
+ * All uses of pellucid are in this file: order_shape(), upload_orders(), and the loop of main(). The orders
+ * are made here so that the example needs no file. A game makes them offline (pellucid order) and loads them
+ * from the glTF or from its own format. The image shows the last frame in draw order, and beside it in the
+ * stored order. The program fails unless its frames are much closer to frames whose triangles were sorted on
+ * the CPU than frames in the stored order are. */
 #include <pellucid/c/pellucid.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +16,7 @@
 #include "engine.h"
 #include "shape.h"
 
-enum { kFrames = 8, kMaxOrders = 8, kBothFacings = 6 * kTriangles, kPictureBytes = kWidth * kHeight * 4 };
+enum { kFrames = 8, kMaxOrders = 8, kBothFacings = 6 * kTriangles, kImageBytes = kWidth * kHeight * 4 };
 
 static const double kWorld[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
@@ -48,7 +49,8 @@ static PellucidOrderSet* order_shape(const Shape* shape) {
   return orders;
 }
 
-/* All orders into one index buffer; ranges[count] is the order for eyes that the others are not for. */
+/* Writes all orders to one index buffer. ranges[count] is the order for eyes for which the others do not
+ * hold. */
 static uint32_t upload_orders(const PellucidOrderSet* orders, uint32_t* indices,
                               Range ranges[kMaxOrders + 1]) {
   const uint32_t count = pellucid_order_count(orders);
@@ -63,8 +65,7 @@ static uint32_t upload_orders(const PellucidOrderSet* orders, uint32_t* indices,
   return end;
 }
 
-/* -------------------------------------------------------------------------------------- what it is held to
- */
+/* ---------------------------------------------------------------------------------------- the comparison */
 
 typedef struct Keyed {
   double distance;
@@ -76,9 +77,9 @@ static int farther_first(const void* a, const void* b) {
   return difference > 0 ? 1 : difference < 0 ? -1 : 0;
 }
 
-/* Both facings of all triangles: as stored, or by the distance of their middles from the eye, farthest first
- * - the sort and the upload of every frame that presorted orders do without. */
-static void write_sequence(const Shape* shape, const double* eye, uint32_t* indices) {
+/* Writes both facings of all triangles: as they are stored, or sorted by the distance of their centroids from
+ * the eye, farthest first. An engine without draw orders sorts and uploads like this in every frame. */
+static void write_triangles(const Shape* shape, const double* eye, uint32_t* indices) {
   static Keyed keyed[kTriangles];
   uint32_t i;
   int k;
@@ -100,7 +101,8 @@ static void write_sequence(const Shape* shape, const double* eye, uint32_t* indi
   }
 }
 
-/* Pixels of two pictures that differ by more than rounding, of those that are not ground in the first. */
+/* Returns the share of pixels that differ by more than rounding, of those that show the mesh in the first
+ * image. */
 static double share_of_difference(const uint8_t* a, const uint8_t* b) {
   uint32_t covered = 0, different = 0, p;
   for (p = 0; p < kWidth * kHeight; ++p, a += 4, b += 4) {
@@ -152,8 +154,8 @@ static void write_ppm(const char* path, const uint8_t* left, const uint8_t* righ
 
 int main(int argc, char** argv) {
   static Shape shape;
-  static uint8_t presorted[kPictureBytes], as_stored[kPictureBytes];
-  double wrong_presorted = 0, wrong_stored = 0;
+  static uint8_t ordered[kImageBytes], as_stored[kImageBytes];
+  double wrong_ordered = 0, wrong_stored = 0;
   Range ranges[kMaxOrders + 1];
   PellucidOrderSet* orders;
   PellucidOrders selector;
@@ -173,30 +175,31 @@ int main(int argc, char** argv) {
   indices = engine.indices.mapped;
   end = upload_orders(orders, indices, ranges);
   const Range stored = {end, kBothFacings}, sorted = {end + kBothFacings, kBothFacings};
-  write_sequence(&shape, NULL, indices + stored.first);
+  write_triangles(&shape, NULL, indices + stored.first);
 
   for (f = 0; f < kFrames; ++f) {
     const double turn = 2 * PELLUCID_PI * (f + 0.3) / kFrames;
     const double eye[3] = {10 * cos(turn), 10 * sin(turn), 5 * sin(2 * turn) + 3};
     const Frame frame = look_from(eye);
 
-    /* The whole of it: */
+    /* This is all that drawing in order takes. */
     const uint32_t order = pellucid_select_perspective(&selector, kWorld, eye);
     const Range* range = &ranges[order == PELLUCID_NO_ORDER ? pellucid_order_count(orders) : order];
-    memcpy(presorted, draw(&engine, &frame, range->first, range->count), kPictureBytes);
+    memcpy(ordered, draw(&engine, &frame, range->first, range->count), kImageBytes);
 
-    memcpy(as_stored, draw(&engine, &frame, stored.first, stored.count), kPictureBytes);
-    write_sequence(&shape, eye, indices + sorted.first);
+    memcpy(as_stored, draw(&engine, &frame, stored.first, stored.count), kImageBytes);
+    write_triangles(&shape, eye, indices + sorted.first);
     const uint8_t* truth = draw(&engine, &frame, sorted.first, sorted.count);
-    wrong_presorted += share_of_difference(truth, presorted) / kFrames;
+    wrong_ordered += share_of_difference(truth, ordered) / kFrames;
     wrong_stored += share_of_difference(truth, as_stored) / kFrames;
     printf("frame %d: order %d\n", f, (int)order);
   }
-  write_ppm(argv[1], presorted, as_stored);
+  write_ppm(argv[1], ordered, as_stored);
   printf(
-      "%u orders; pixels unlike those of a sort in every frame: %.2f %% presorted, %.1f %% in stored order\n",
-      (unsigned)pellucid_order_count(orders), 100 * wrong_presorted, 100 * wrong_stored);
+      "%u orders; pixels unlike those of a sort in every frame: %.2f %% in draw order, %.1f %% in stored "
+      "order\n",
+      (unsigned)pellucid_order_count(orders), 100 * wrong_ordered, 100 * wrong_stored);
   free_engine(&engine);
   pellucid_free_order_set(orders);
-  return wrong_presorted < 0.1 * wrong_stored ? 0 : 1;
+  return wrong_ordered < 0.1 * wrong_stored ? 0 : 1;
 }

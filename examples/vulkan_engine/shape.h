@@ -1,4 +1,4 @@
-/* What there is to draw: a chain of three links, made here so that nothing has to be loaded. */
+/* The mesh that is drawn: a chain of three links, made here so that the example needs no file. */
 #ifndef SHAPE_H
 #define SHAPE_H
 
@@ -22,7 +22,8 @@ typedef struct Shape {
   uint32_t triangles[kTriangles][3];
 } Shape;
 
-/* A torus round z, or round -y for every other link, so that each hangs in the next one. */
+/* Returns a vertex of a torus around z, or around -y for every other link, so that each link hangs in the
+ * next. */
 static inline Vertex link_vertex(int link, double u, double v) {
   const double normal[3] = {cos(v) * cos(u), cos(v) * sin(u), sin(v)};
   const double ring[3] = {1.5 * cos(u), 1.5 * sin(u), 0};

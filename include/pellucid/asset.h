@@ -94,7 +94,6 @@ enum class OrderEncoding {
   // fetches.
   meshopt,
 };
-enum class SortDirection { front_to_back, back_to_front };
 
 struct OrderedPrimitive {
   std::uint32_t primitive = 0;  // index into Model::primitives

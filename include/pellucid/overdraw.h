@@ -36,7 +36,7 @@ struct OverdrawOptions {
   double lambda = 0.85;
   // refined: misses per triangle that its orders may have. Unset: those of the paper's method with this
   // lambda.
-  std::optional<double> acmr;
+  std::optional<double> acmr{};
   std::uint32_t cache_size = 16;  // FIFO entries
   std::uint32_t view_level = 2;   // viewpoints: the 10 * 4^n + 2 vertices of an icosphere, 162
   // Distances of these viewpoints, bounding radii: spread over the range.

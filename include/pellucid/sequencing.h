@@ -48,6 +48,10 @@ enum class Facing {
 // Nodes front to back; every node at most once; every node that the cells of this order can see is in it.
 using NodeSequence = std::vector<NodeId>;
 
+// In which direction the triangles of an order are stored or drawn: front to back for "under" blending and
+// for opaque meshes, back to front for the usual "over" blending.
+enum class SortDirection { front_to_back, back_to_front };
+
 // What an order set is for, and so what it promises.
 enum class OrderPurpose {
   transparency,  // depth order: blending is right from every view of the cell

@@ -75,7 +75,7 @@ struct OrderOptions {
   PartitionSpec partition{};
   // Distances of the samples in bounding radii (infinity allowed). Empty: the default spread, see
   // default_distances().
-  std::vector<double> distances;
+  std::vector<double> distances{};  // {}: GCC 12 warns of bare members that designated initializers leave out
   Facing facing = Facing::duplicated;
   OcclusionSource occlusion = OcclusionSource::exact;
   std::uint32_t raster_size = 512;  // occlusion = raster: pixels per side
@@ -91,7 +91,7 @@ struct OrderOptions {
   double max_error = 0.001;  // budget: add buffers until the measured IPR is at most this
   // budget, in the place of max_error: until the PSNR of the pictures (lit, faces of opacity alpha, 0.5 where
   // that is 0; see shading.h) is at least this, dB, mean over the validation viewpoints.
-  std::optional<double> min_psnr;
+  std::optional<double> min_psnr{};
   // budget, in the place of both: the fewest buffers, up to max_buffers, with which frames by verified
   // blending take hardly longer than with any number of them (verified_frame_time()).
   bool least_frame_time = false;
@@ -102,7 +102,7 @@ struct OrderOptions {
 
   // Section 5: order the mesh simplified to so many triangles, carry the order over to all, and repair it
   // there. 0: never. Unset: above 24,000 triangles, from 10,000.
-  std::optional<std::uint32_t> upsample_from;
+  std::optional<std::uint32_t> upsample_from{};
   std::uint32_t refine_rounds = 1;  // of that repair; 0: none, the paper's form
 
   std::uint32_t cache_size = 20;  // FIFO size that sequences are optimised for; 0: leave the sequence alone
@@ -128,6 +128,11 @@ double picture_alpha(const OrderOptions& options);
 
 // Order one mesh. The mesh must be clean (see clean()). A mesh without triangles throws Error{nothing_to_do}.
 OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options);
+
+// Returns the clean mesh that is ordered in the place of `mesh`. Orders of it are carried over to `mesh` by
+// lift_orders(orders, source). Throws Error{nothing_to_do} where no triangle is left; `name` begins the
+// message.
+CleanMesh clean_to_order(const Mesh& mesh, const CleanOptions& options, const std::string& name);
 
 // ------------------------------------------------------------------------------ error against memory
 

@@ -1,22 +1,26 @@
 // Measure orders, through the C interface.
 #include <numeric>
 
-#include "c/callback_progress.h"
-#include "c/handles.h"
+#include "c/wrapper.h"
 #include "pellucid/metric.h"
-#include "pellucid/overdraw.h"
-#include "pellucid/sequencing.h"
+#include "pellucid/runtime/select.h"
 
 namespace pellucid::c {
 namespace {
 
 void require_made_for(const PellucidOrderSet* set, const Mesh& mesh) {
-  require(set == nullptr ||
-              (set->triangles.size() == mesh.triangles.size() && set->vertex_count == mesh.positions.size()),
+  require(set == nullptr || (set->mesh.triangles().size() == mesh.triangles.size() &&
+                             set->mesh.vertex_count() == mesh.positions.size()),
           "the orders are not of this mesh");
 }
 
-// Ranks of both facings of the triangles, which are drawn back to front.
+// Returns the order that select.h chooses for a direction.
+std::uint32_t order_for(const PellucidOrders& selector, const Vec3d& direction) {
+  const double d[3] = {direction.x, direction.y, direction.z};
+  return pellucid_order_of_cell(&selector, pellucid_find_cell(&selector, d));
+}
+
+// Returns the ranks of both facings of the triangles, which are drawn back to front.
 std::vector<std::uint32_t> ranks_from_back(const std::vector<std::uint32_t>& triangles, std::size_t count) {
   std::vector<std::uint32_t> ranks(2 * count, kNoRank);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -35,8 +39,7 @@ class BlendedMesh {
       std::iota(stored_.begin(), stored_.end(), 0U);
       return;
     }
-    orders_ = restrict_orders(set->orders, drawn_.source, mesh.triangles.size());
-    require(pellucid_order_selector(set, &selector_) == pellucid_ok, "orders without a table");
+    orders_ = restrict_orders(set->mesh.orders(), drawn_.source, mesh.triangles.size());
   }
 
   [[nodiscard]] const Mesh& mesh() const { return drawn_.mesh; }
@@ -46,22 +49,21 @@ class BlendedMesh {
     if (set_ == nullptr) return ranks_from_back(stored_, count);
     if (view.distance < orders_.valid_from || view.distance > orders_.valid_to)
       return ranks_from_back(orders_.base_sequence, count);
-    return ranks_of(orders_.orders[order_for(*set_, selector_, std::nullopt, view.direction)], count);
+    return ranks_of(orders_.orders[order_for(set_->mesh.selector(), view.direction)], count);
   }
 
  private:
   const PellucidOrderSet* set_;
   CleanMesh drawn_;
   OrderSet orders_;
-  PellucidOrders selector_{};
   std::vector<std::uint32_t> stored_;
 };
 
 PellucidBlendQuality measure_blending(const PellucidMesh* given, const PellucidOrderSet* set,
                                       const PellucidMeasureOptions& options) {
-  const Mesh mesh = mesh_from(given);
+  const Mesh mesh = copy_mesh(view_of(given));
   require_made_for(set, mesh);
-  require(set == nullptr || set->orders.purpose == OrderPurpose::transparency,
+  require(set == nullptr || set->mesh.orders().purpose == OrderPurpose::transparency,
           "these are overdraw orders: pellucid_measure_overdraw() is for them");
   const BlendedMesh blended(mesh, set);
   if (blended.mesh().triangles.empty())
@@ -76,7 +78,7 @@ PellucidBlendQuality measure_blending(const PellucidMesh* given, const PellucidO
   measure.max_distance = options.max_distance;
   measure.size = options.size;
   measure.seed = options.seed;
-  measure.facing = set != nullptr ? set->orders.facing : facing_from(options.facing);
+  measure.facing = set != nullptr ? set->mesh.orders().facing : facing_of(options.facing);
   measure.shading.alpha = options.alpha;
   measure.progress = progress.pointer();
   const std::vector<DrawingMethod> methods{{"", [&](const Viewpoint& view) { return blended.ranks(view); }}};
@@ -93,7 +95,7 @@ std::vector<std::vector<std::uint32_t>> overdraw_ranks(const PellucidOrderSet* s
     std::iota(ranks[0].begin(), ranks[0].end(), 0U);
     return ranks;
   }
-  for (const NodeSequence& nodes : set->orders.orders) {
+  for (const NodeSequence& nodes : set->mesh.orders().orders) {
     std::vector<std::uint32_t>& of_order = ranks.emplace_back(triangles, kNoRank);
     for (std::uint32_t rank = 0; rank < nodes.size(); ++rank) of_order[triangle_of(nodes[rank])] = rank;
   }
@@ -105,25 +107,27 @@ void require_valid(const PellucidOrderSet* set, const PellucidPoses* poses, cons
   for (const Triangle& t : mesh.triangles)
     require(std::max({t[0], t[1], t[2]}) < mesh.positions.size(), "mesh: an index is out of range");
   if (set == nullptr) return;
-  require(set->orders.purpose == OrderPurpose::overdraw,
+  require(set->mesh.orders().purpose == OrderPurpose::overdraw,
           "these are transparency orders: pellucid_measure_blending() is for them");
-  require(poses == nullptr || poses->frame_count == set->times.size(), "the orders are not of these poses");
+  // Poses of a program are one animation; files may have more.
+  const OrderSet& orders = set->mesh.orders();
+  const std::size_t frames = orders.animations.size() == 1 ? orders.animations.front().times.size() : 0;
+  require(poses == nullptr || poses->frame_count == frames, "the orders are not of these poses");
 }
 
 PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const PellucidPoses* poses,
                                          const PellucidOrderSet* set, const PellucidMeasureOptions& options) {
-  const Mesh mesh = mesh_from(given);
+  const Mesh mesh = copy_mesh(view_of(given));
   require_valid(set, poses, mesh);
   if (mesh.triangles.empty()) throw Error(ErrorKind::nothing_to_do, "mesh: there are no triangles");
   require(options.viewpoints > 0, "viewpoints is 0");
   OverdrawSubject subject;
   subject.triangles = mesh.triangles;
-  if (facing_from(options.facing) == Facing::duplicated)
-    subject.double_sided.assign(mesh.triangles.size(), 1);
-  subject.frames = frames_from(*given, poses);
+  if (facing_of(options.facing) == Facing::duplicated) subject.double_sided.assign(mesh.triangles.size(), 1);
+  for (const Pose& pose : poses_of(*given, poses))
+    subject.frames.push_back(copy_mesh({pose.positions, {}}).positions);
+  if (poses == nullptr) subject.frames = {mesh.positions};
   const std::vector<std::vector<std::uint32_t>> ranks = overdraw_ranks(set, mesh.triangles.size());
-  PellucidOrders selector{};
-  if (set != nullptr) pellucid_order_selector(set, &selector);
   CallbackProgress progress(options.run);
   const ThreadLimit threads(options.run.threads);
   OverdrawMeasurement measure;
@@ -135,8 +139,12 @@ PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const Pelluc
   measure.progress = progress.pointer();
   const auto choose = [&](std::uint32_t frame, const Viewpoint& view) -> std::span<const std::uint32_t> {
     if (set == nullptr) return ranks.front();
-    const std::optional<std::uint32_t> key_frame = poses != nullptr ? std::optional(frame) : std::nullopt;
-    return ranks[order_for(*set, selector, key_frame, view.direction)];
+    PellucidOrders selector = set->mesh.selector();
+    if (poses != nullptr) {
+      const PellucidKeyframes& key_frames = set->mesh.keyframes();
+      selector = pellucid_orders_at(&selector, &key_frames, key_frames.times[frame]);
+    }
+    return ranks[order_for(selector, view.direction)];
   };
   const std::vector<OverdrawContender> contenders{{"", choose}};
   const OverdrawQuality quality = measure_posed_overdraw(subject, contenders, measure).front();
@@ -149,7 +157,9 @@ PellucidCacheQuality measure_cache(const void* given, std::uint32_t index_bytes,
   require(cache_size >= 3, "the vertex cache must hold 3 vertices or more");
   require(index_count % 3 == 0, "index_count is not a multiple of 3");
   require(model == pellucid_cache_fifo || model == pellucid_cache_lru, "model: there is no such value");
-  const std::vector<std::uint32_t> indices = indices_from(given, index_bytes, index_count);
+  const IndexView view = view_of_indices(given, index_bytes, index_count);
+  std::vector<std::uint32_t> indices(view.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = view[i];
   for (const std::uint32_t index : indices) require(index < vertex_count, "an index is out of range");
   const CacheStatistics statistics = simulate_vertex_cache(
       indices, vertex_count, model == pellucid_cache_lru ? CacheModel::lru : CacheModel::fifo, cache_size);

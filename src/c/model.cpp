@@ -1,7 +1,7 @@
 // Model files, through the C interface.
-#include <memory>
+#include <algorithm>
 
-#include "c/handles.h"
+#include "c/wrapper.h"
 
 namespace pellucid::c {
 namespace {
@@ -21,27 +21,7 @@ PellucidAlphaMode alpha_mode_of(AlphaMode mode) {
   return pellucid_alpha_blend;
 }
 
-std::unique_ptr<PellucidModel> read(const char* path) {
-  require(path != nullptr, "path is null");
-  auto handle = std::make_unique<PellucidModel>();
-  handle->model = read_model(path);
-  for (Primitive& primitive : handle->model.primitives) {
-    handle->orders.push_back(std::move(primitive.orders));
-    handle->errors.push_back(std::move(primitive.order_error));
-    primitive.orders.reset();
-    primitive.order_error.reset();
-  }
-  return handle;
-}
-
-const Primitive& primitive_of(const PellucidModel* model, std::uint32_t primitive) {
-  require(model != nullptr, "model is null");
-  require(primitive < model->model.primitives.size(), "there is no such primitive");
-  return model->model.primitives[primitive];
-}
-
-PellucidPrimitive describe(const PellucidModel& model, std::uint32_t index) {
-  const Primitive& primitive = model.model.primitives[index];
+PellucidPrimitive describe(const Primitive& primitive) {
   PellucidPrimitive description{};
   description.name = primitive.name.c_str();
   description.mesh.positions = primitive.mesh.positions.empty() ? nullptr : &primitive.mesh.positions[0].x;
@@ -53,23 +33,8 @@ PellucidPrimitive describe(const PellucidModel& model, std::uint32_t index) {
   description.deforms = primitive.deforms ? 1 : 0;
   description.alpha_mode = alpha_mode_of(primitive.alpha_mode);
   std::copy(primitive.base_color.begin(), primitive.base_color.end(), description.base_color);
-  description.has_orders = model.orders[index] ? 1 : 0;
+  description.has_orders = primitive.orders ? 1 : 0;
   return description;
-}
-
-void set_orders(PellucidModel& model, std::uint32_t index, const PellucidOrderSet* set) {
-  const Primitive& primitive = primitive_of(&model, index);
-  if (set != nullptr) {
-    require(set->orders.purpose == OrderPurpose::transparency,
-            "overdraw orders of a mesh know nothing of the model that it is a part of: pellucid overdraw");
-    require(
-        set->triangles == primitive.mesh.triangles && set->vertex_count == primitive.mesh.positions.size(),
-        "the orders are not of this primitive");
-    model.orders[index] = set->orders;
-  } else {
-    model.orders[index].reset();
-  }
-  model.errors[index].reset();
 }
 
 WriteOptions write_options(const PellucidWriteOptions& given) {
@@ -96,14 +61,6 @@ WriteOptions write_options(const PellucidWriteOptions& given) {
   return options;
 }
 
-void write(const PellucidModel& model, const char* path, const PellucidWriteOptions& given) {
-  std::vector<OrderedPrimitive> ordered;
-  for (std::uint32_t i = 0; i < model.orders.size(); ++i) {
-    if (model.orders[i]) ordered.push_back({i, *model.orders[i], model.errors[i]});
-  }
-  write_model(model.model, ordered, path, write_options(given));
-}
-
 }  // namespace
 }  // namespace pellucid::c
 
@@ -113,7 +70,8 @@ PellucidStatus pellucid_read_model(const char* path, PellucidModel** model) {
   return guarded([&] {
     require(model != nullptr, "model is null");
     *model = nullptr;
-    *model = read(path).release();
+    require(path != nullptr, "path is null");
+    *model = new PellucidModel{pellucid::read(path)};
   });
 }
 
@@ -128,9 +86,10 @@ uint32_t pellucid_primitive_count(const PellucidModel* model) {
 PellucidStatus pellucid_model_primitive(const PellucidModel* model, uint32_t primitive,
                                         PellucidPrimitive* description, size_t struct_size) {
   return guarded([&] {
-    primitive_of(model, primitive);
+    require(model != nullptr, "model is null");
+    require(primitive < model->model.primitives.size(), "there is no such primitive");
     require(description != nullptr, "description is null");
-    copy_out(describe(*model, primitive), description, struct_size);
+    copy_out(describe(model->model.primitives[primitive]), description, struct_size);
   });
 }
 
@@ -139,12 +98,8 @@ PellucidStatus pellucid_model_orders(const PellucidModel* model, uint32_t primit
   return guarded([&] {
     require(orders != nullptr, "orders is null");
     *orders = nullptr;
-    const pellucid::Primitive& of = primitive_of(model, primitive);
-    if (!model->orders[primitive])
-      throw pellucid::Error(pellucid::ErrorKind::nothing_to_do, of.name + ": it has no orders");
-    auto set = make_handle(*model->orders[primitive], of.mesh);
-    if (model->errors[primitive]) set->statistics.measured_error = model->errors[primitive]->ipr_mean;
-    *orders = set.release();
+    require(model != nullptr, "model is null");
+    *orders = new PellucidOrderSet{pellucid::orders_of(model->model, primitive)};
   });
 }
 
@@ -152,7 +107,13 @@ PellucidStatus pellucid_model_set_orders(PellucidModel* model, uint32_t primitiv
                                          const PellucidOrderSet* orders) {
   return guarded([&] {
     require(model != nullptr, "model is null");
-    set_orders(*model, primitive, orders);
+    require(primitive < model->model.primitives.size(), "there is no such primitive");
+    if (orders != nullptr) {
+      pellucid::set_orders(model->model, primitive, orders->mesh);
+    } else {
+      model->model.primitives[primitive].orders.reset();
+      model->model.primitives[primitive].order_error.reset();
+    }
   });
 }
 
@@ -166,6 +127,6 @@ PellucidStatus pellucid_write_model(const PellucidModel* model, const char* path
                                     const PellucidWriteOptions* options) {
   return guarded([&] {
     require(model != nullptr && path != nullptr, "model or path is null");
-    write(*model, path, settled(options, pellucid_write_options_init));
+    pellucid::write(model->model, path, write_options(settled(options, pellucid_write_options_init)));
   });
 }

@@ -502,6 +502,13 @@ OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, cons
   return problem;
 }
 
+CleanMesh clean_to_order(const Mesh& mesh, const CleanOptions& options, const std::string& name) {
+  CleanMesh drawn = clean(mesh, options, name);
+  if (drawn.mesh.triangles.empty())
+    throw Error(ErrorKind::nothing_to_do, name + ": no triangle is left after cleaning");
+  return drawn;
+}
+
 OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) {
   check_options(mesh, options);
   const RunRecords records(mesh, options);

@@ -36,7 +36,7 @@ struct Arrays {
   }
 };
 
-// Concave, so that one order does not serve all views.
+// A torus overlaps itself, so that one order does not serve all views.
 inline Arrays torus(std::uint32_t around = 16, std::uint32_t across = 8) {
   constexpr float kTwoPi = 6.2831853F;
   Arrays arrays;
@@ -59,7 +59,7 @@ inline Arrays torus(std::uint32_t around = 16, std::uint32_t across = 8) {
   return arrays;
 }
 
-// Few views, and no pictures to judge by: quick.
+// Few views, and no images to measure errors in: quick.
 inline PellucidOrderOptions quick_options() {
   PellucidOrderOptions options;
   pellucid_order_options_init(&options, sizeof options);

@@ -1,5 +1,5 @@
-/* pellucid/c/pellucid.h as a C99 program uses it: it compiles alone, and its exit code says whether it works.
- */
+/* Uses pellucid/c/pellucid.h as a C99 program does. The header compiles alone, and the exit code says whether
+ * it works. */
 #include "pellucid/c/pellucid.h"
 
 int main(void) {

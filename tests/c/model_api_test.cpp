@@ -1,4 +1,4 @@
-// The C interface over files: read, order, write, read again.
+// The C interface with files: read, order, write, read again.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -17,7 +17,7 @@ using testing::OrderSetHandle;
 using testing::quick_options;
 using testing::torus;
 
-// A file of its own for every test.
+// Returns a path that only this test uses.
 std::string file_named(const std::string& name) {
   const ::testing::TestInfo& test = *::testing::UnitTest::GetInstance()->current_test_info();
   const auto folder = std::filesystem::path(::testing::TempDir()) / "pellucid_c_api" / test.name();
@@ -90,7 +90,7 @@ TEST(CModel, OrdersCanBeTakenAway) {
   EXPECT_EQ(primitive_of(read(written)).has_orders, 0U);
 }
 
-TEST(CModel, ComplaintsNameTheFileAndTheReason) {
+TEST(CModel, ErrorsNameTheFileAndTheReason) {
   PellucidModel* model = nullptr;
   EXPECT_EQ(pellucid_read_model("/nowhere/at.all.glb", &model), pellucid_bad_input);
   EXPECT_THAT(pellucid_last_error(), HasSubstr("/nowhere/at.all.glb"));

@@ -1,4 +1,4 @@
-// The C interface over arrays: orders, what is in them, and how good they are.
+// The C interface with arrays: orders, their contents, and their measures.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -62,7 +62,7 @@ TEST(COrder, EveryOrderIsInRangeAndReversible) {
   EXPECT_EQ(indices_of(set.get(), PELLUCID_NO_ORDER).size(), arrays.indices.size());
 }
 
-TEST(COrder, SelectorAnswersForEveryEye) {
+TEST(COrder, SelectsAnOrderForEveryEye) {
   const Arrays arrays = torus();
   for (const char* views : {"S1,1", "P1"}) {
     PellucidOrderOptions options = quick_options();
@@ -98,7 +98,7 @@ TEST(COrder, StridesAndShortIndicesChangeNothing) {
   EXPECT_EQ(indices_of(packed.get(), 0), indices_of(strided.get(), 0));
 }
 
-TEST(COrder, TrianglesThatDrawNothingAreLeftOut) {
+TEST(COrder, LeavesOutTrianglesThatDrawNothing) {
   Arrays arrays = torus();
   const std::vector<std::uint32_t> useless{0, 0, 1, 5, 6, 1'000'000};
   arrays.indices.insert(arrays.indices.begin(), useless.begin(), useless.end());
@@ -112,7 +112,7 @@ TEST(COrder, TrianglesThatDrawNothingAreLeftOut) {
   EXPECT_LT(*std::max_element(drawn.begin(), drawn.end()), arrays.positions.size() / 3);
 }
 
-TEST(COrder, ComplaintsSayWhatIsWrong) {
+TEST(COrder, ErrorsSayWhatIsWrong) {
   const Arrays arrays = torus();
   PellucidMesh mesh = arrays.mesh();
   PellucidOrderSet* set = nullptr;
@@ -162,29 +162,29 @@ TEST(COrder, ErrorsAreOfTheirThread) {
   EXPECT_STRNE(pellucid_last_error(), "");
 }
 
-struct Told {
+struct Reports {
   int calls = 0;
   std::string first_stage;
   int stop_after = 1'000'000;
 };
 
-int tell(void* user, const char* stage, std::uint64_t /*done*/, std::uint64_t /*total*/) {
-  auto& told = *static_cast<Told*>(user);
-  if (told.calls == 0) told.first_stage = stage;
-  return ++told.calls >= told.stop_after ? 1 : 0;
+int report(void* user, const char* stage, std::uint64_t /*done*/, std::uint64_t /*total*/) {
+  auto& reports = *static_cast<Reports*>(user);
+  if (reports.calls == 0) reports.first_stage = stage;
+  return ++reports.calls >= reports.stop_after ? 1 : 0;
 }
 
-TEST(COrder, ProgressIsToldAndMayCancel) {
+TEST(COrder, ReportsProgressAndCanBeCancelled) {
   const Arrays arrays = torus();
   const PellucidMesh mesh = arrays.mesh();
   PellucidOrderOptions options = quick_options();
-  Told told;
-  options.run = {tell, &told, 1};
+  Reports reports;
+  options.run = {report, &reports, 1};
   EXPECT_NE(ordered(mesh, options), nullptr);
-  EXPECT_GT(told.calls, 1);
-  EXPECT_NE(told.first_stage, "");
+  EXPECT_GT(reports.calls, 1);
+  EXPECT_NE(reports.first_stage, "");
 
-  Told impatient{0, "", 1};
+  Reports impatient{0, "", 1};
   options.run.user = &impatient;
   PellucidOrderSet* set = nullptr;
   EXPECT_EQ(pellucid_order_mesh(&mesh, &options, &set), pellucid_cancelled);
@@ -212,7 +212,7 @@ PellucidMeasureOptions quick_measure() {
   return options;
 }
 
-TEST(COverdraw, StaticOrdersShadeLess) {
+TEST(COverdraw, StaticOrdersReduceOverdraw) {
   const Arrays arrays = torus(24, 12);
   const PellucidMesh mesh = arrays.mesh();
   PellucidOverdrawOptions options = quick_overdraw();

@@ -6,6 +6,7 @@
 #include "pellucid/sequencing.h"
 #include "pellucid/transparency.h"
 #include "sequencing/cache_order.h"
+#include "sequencing/fifo_cache.h"
 #include "sequencing/linear_order.h"
 #include "transparency/cluster/budget.h"
 #include "transparency/graph/occlusion_graph.h"

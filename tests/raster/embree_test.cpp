@@ -55,9 +55,9 @@ void gather(const RTCFilterFunctionNArguments* arguments) {
   arguments->valid[0] = 0;  // go on along the ray
 }
 
-class Witness {
+class EmbreeScene {
  public:
-  explicit Witness(const Mesh& mesh) : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+  explicit EmbreeScene(const Mesh& mesh) : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* positions = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size()));
@@ -72,9 +72,9 @@ class Witness {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcCommitScene(scene_);
   }
-  Witness(const Witness&) = delete;
-  Witness& operator=(const Witness&) = delete;
-  ~Witness() {
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+  ~EmbreeScene() {
     rtcReleaseScene(scene_);
     rtcReleaseDevice(device_);
   }
@@ -112,7 +112,7 @@ class Witness {
 // Returns the share of pixels whose set of nodes differs from that of Embree. The raster snaps vertices to
 // 1/256 pixel, so a centre that near to an edge may be on either side.
 double disagreement(const Mesh& mesh, const Camera& camera) {
-  const Witness witness(mesh);
+  const EmbreeScene embree(mesh);
   const FragmentBuffer buffer = fragments_of(mesh, camera);
   std::size_t different = 0;
   std::size_t covered = 0;
@@ -121,7 +121,7 @@ double disagreement(const Mesh& mesh, const Camera& camera) {
       std::vector<std::uint32_t> nodes;
       for (const Fragment& f : buffer.pixel(std::size_t{y} * camera.width + x)) nodes.push_back(f.node);
       std::sort(nodes.begin(), nodes.end());
-      const std::vector<std::uint32_t> expected = witness.hits(camera, x, y);
+      const std::vector<std::uint32_t> expected = embree.hits(camera, x, y);
       covered += nodes.empty() && expected.empty() ? 0U : 1U;
       different += nodes == expected ? 0U : 1U;
     }

@@ -72,11 +72,11 @@ std::uint32_t descend(std::uint32_t level, const Vec3d& d) {
 }
 
 TEST(Descent, AgreesWithBruteForceOnAMillionDirections) {
-  const BruteForce oracle(2);
+  const BruteForce reference(2);
   Random random(1);
   for (int i = 0; i < 1000000; ++i) {
     const Vec3d d = random.direction();
-    ASSERT_EQ(descend(2, d), oracle.find(d)) << d.x << ' ' << d.y << ' ' << d.z;
+    ASSERT_EQ(descend(2, d), reference.find(d)) << d.x << ' ' << d.y << ' ' << d.z;
   }
 }
 
@@ -94,13 +94,13 @@ TEST(Descent, AgreesWithFindCellBruteForce) {
 // At every level, the found triangle contains the direction and has the corners of make_icosphere().
 TEST(Descent, ContainsTheDirectionOnEveryLevel) {
   for (std::uint32_t level = 0; level <= PELLUCID_MAX_LEVEL; ++level) {
-    const BruteForce oracle(level);
+    const BruteForce reference(level);
     Random random(level + 100);
     for (int i = 0; i < 20000; ++i) {
       const Vec3d d = random.direction();
       const std::uint32_t found = descend(level, d);
       ASSERT_LT(found, pellucid_triangle_count(level));
-      ASSERT_GE(oracle.depth(found, d), -2 * PELLUCID_BORDER);
+      ASSERT_GE(reference.depth(found, d), -2 * PELLUCID_BORDER);
     }
   }
 }
@@ -123,21 +123,21 @@ TEST(Descent, HasExactlyTheCornersOfTheIcosphere) {
 // lowest id.
 TEST(Descent, GivesBordersToTheLowestId) {
   constexpr std::uint32_t kLevel = 2;
-  const BruteForce oracle(kLevel);
+  const BruteForce reference(kLevel);
   const Icosphere finer = make_icosphere(kLevel + 1);
   for (const Vec3d& v : finer.vertices) {
-    ASSERT_EQ(descend(kLevel, v), oracle.find(v));
+    ASSERT_EQ(descend(kLevel, v), reference.find(v));
     for (const double wiggle : {1e-16, -1e-16, 3e-16}) {
       const Vec3d moved = normalized(v + Vec3d{wiggle, -wiggle, wiggle});
-      ASSERT_EQ(descend(kLevel, moved), oracle.find(v));
+      ASSERT_EQ(descend(kLevel, moved), reference.find(v));
     }
   }
   // Points along all edges, computed independently of the subdivision.
-  const Icosphere& sphere = oracle.sphere();
+  const Icosphere& sphere = reference.sphere();
   for (const auto& [a, b, c] : sphere.triangles) {
     for (const double u : {0.1, 0.37, 0.5, 0.93}) {
       const Vec3d d = normalized(sphere.vertices[a] * u + sphere.vertices[b] * (1 - u));
-      ASSERT_EQ(descend(kLevel, d), oracle.find(d));
+      ASSERT_EQ(descend(kLevel, d), reference.find(d));
     }
   }
 }

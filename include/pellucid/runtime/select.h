@@ -484,7 +484,7 @@ typedef struct PellucidKeyframes {
  * Returns the first or last one for a time before or after all of them, and 0 for NaN. Takes O(log count).
  * For an animation that loops, pass fmod(time, duration). */
 static inline uint32_t pellucid_nearest_keyframe(const PellucidKeyframes* keyframes, double time) {
-  /* Invariant: times[low] <= time < times[high], as far as these exist. */
+  /* Invariant: times[low] <= time < times[high], where high may be one past the end. */
   uint32_t low = 0, high = keyframes->count;
   if (high == 0 || !(time > PELLUCID_RUNTIME_CAST(double, keyframes->times[0]))) return 0;
   while (high - low > 1) {

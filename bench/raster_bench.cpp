@@ -1,5 +1,5 @@
-// Fragments per second of the CPU raster on one thread, by triangle count and picture size. The mesh is a
-// wrinkled sphere: about as many layers as the bunny, and no file is needed.
+// Measures the fragments per second of the CPU raster on one thread, by number of triangles and image size.
+// The mesh is a wrinkled sphere with about as many layers as the bunny, so that no file is needed.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace pellucid {
 namespace {
 
-// 4 * segments^2 triangles.
+// Returns a sphere of 4 * segments^2 triangles with a varying radius.
 Mesh wrinkled_sphere(std::uint32_t segments) {
   constexpr double kPi = 3.14159265358979323846;
   Mesh mesh;

@@ -5,9 +5,9 @@
 
 #include "pellucid/sequencing.h"
 #include "pellucid/transparency.h"
-#include "sequencing/gather_visits.h"
+#include "sequencing/cache_order.h"
+#include "sequencing/fifo_cache.h"
 #include "sequencing/linear_order.h"
-#include "sequencing/sequence.h"
 #include "transparency/cluster/budget.h"
 #include "transparency/graph/occlusion_graph.h"
 #include "transparency/graph/viewpoint_edges.h"
@@ -72,17 +72,17 @@ void BM_Sift(benchmark::State& state) {
   std::vector<std::uint32_t> start(graph.node_count);
   for (std::uint32_t node = 0; node < start.size(); ++node) start[node] = node;
   const std::vector<std::uint32_t> cells{0, 1, 2, 3, 4};
-  const PairWishes wishes = net_wishes(sum_cells(graph, cells));
+  const PairPreferences preferences = net_preferences(sum_cells(graph, cells));
   double left = 0;
   for (auto _ : state) {
     std::vector<std::uint32_t> ranks = start;
-    left = sift(wishes, {}, ranks);
+    left = sift(preferences, {}, ranks);
     benchmark::DoNotOptimize(ranks.data());
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) *
-                          static_cast<std::int64_t>(wishes.neighbors.size() / 2));
-  state.counters["pairs"] = static_cast<double>(wishes.neighbors.size()) / 2;
-  state.counters["violated share"] = left / violated_weight(wishes, start);
+                          static_cast<std::int64_t>(preferences.neighbors.size() / 2));
+  state.counters["pairs"] = static_cast<double>(preferences.neighbors.size()) / 2;
+  state.counters["violated share"] = left / violated_weight(preferences, start);
 }
 BENCHMARK(BM_Sift)->ArgName("triangles")->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
 
@@ -98,15 +98,15 @@ void BM_Sequence(benchmark::State& state) {
   const std::vector<std::uint32_t> cells{0, 1, 2, 3, 4};
   const EdgeRows edges = sum_cells(graph, cells);
   std::vector<std::uint32_t> ranks = ranks_by_key(depth_keys(mesh, sphere, partition, cells));
-  sift(net_wishes(edges), {}, ranks);
+  sift(net_preferences(edges), {}, ranks);
   const std::vector<std::uint8_t> drawn(graph.node_count, 1);
-  SequenceOptions sequence_options;
+  CacheOrderOptions sequence_options;
   sequence_options.method = state.range(1) == 0 ? CacheMethod::scheduled : CacheMethod::tipsify;
   sequence_options.least_binding = 1e-6F;
   sequence_options.slack = 5e-4;
   NodeSequence sequence;
   for (auto _ : state) {
-    sequence = cache_aware_sequence(mesh, edges, ranks, drawn, sequence_options);
+    sequence = cache_aware_order(mesh, edges, ranks, drawn, sequence_options);
     benchmark::DoNotOptimize(sequence.data());
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) *

@@ -1,4 +1,5 @@
-// Nanoseconds per run-time selection: the descent of each level, and the (theta, phi) table of the paper.
+// Measures the time of a run-time selection with the descent of each level and with the (theta, phi) table of
+// the paper, and the time to make a partition.
 #include <benchmark/benchmark.h>
 
 #include <array>

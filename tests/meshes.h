@@ -1,4 +1,4 @@
-// Small meshes that the tests of several modules use.
+// Meshes and helpers that the tests of several modules use.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,15 @@ namespace pellucid::testing {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+// Appends the positions and triangles of a mesh to another one.
 inline void append(Mesh& mesh, const Mesh& part) {
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
   for (const Triangle& t : part.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
 }
 
-// Triangles with middles uniform in [-extent, extent]^3 and corners up to `size` from them along each axis.
+// Returns unconnected triangles whose middles are uniform in [-extent, extent]^3. Their corners are at most
+// `size` from the middle along each axis.
 inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed, double extent = 1) {
   Random random(seed);
   const auto offset = [&](double most) {
@@ -34,6 +36,7 @@ inline Mesh random_soup(std::size_t triangles, double size, std::uint64_t seed, 
   return mesh;
 }
 
+// Returns an icosphere as a mesh that faces outwards.
 inline Mesh icosphere_mesh(std::uint32_t level, double radius = 1, const Vec3d& center = {}) {
   const Icosphere sphere = make_icosphere(level);
   Mesh mesh;
@@ -42,7 +45,7 @@ inline Mesh icosphere_mesh(std::uint32_t level, double radius = 1, const Vec3d& 
   return mesh;
 }
 
-// Of a closed mesh whose fronts look outwards.
+// Returns the volume of a closed mesh that faces outwards.
 inline double volume(const Mesh& mesh) {
   double six_volumes = 0;
   for (const Triangle& t : mesh.triangles) {

@@ -1,8 +1,13 @@
-// pellucid/base.h - what every module shares: vectors, errors, progress and seeded random numbers.
+// pellucid/base.h - types and functions that every module uses.
 //
-// Conventions of the whole library: right-handed, counter-clockwise front faces, metres as in glTF,
-// depth 0..1 forward, float32 positions, uint32 indices in memory. Directions are unit vectors in the
-// mesh's own (object) space. Distances of viewpoints are in units of the bounding radius R.
+// This header has vectors, errors, progress reporting, seeded random numbers, file access and process limits.
+// It depends on nothing but the standard library.
+//
+// The whole library follows these conventions. Coordinates are right-handed, and lengths are in metres as in
+// glTF. The corners of a front face run counter-clockwise when seen from the front. Positions are float32 and
+// indices are uint32 in memory. Depth runs from 0 (near plane) to 1 (far plane). Directions are unit vectors
+// in the object space of the mesh. Distances of viewpoints are in units of the bounding radius R
+// (BoundingSphere in pellucid/mesh.h).
 #pragma once
 
 #include <array>
@@ -52,7 +57,7 @@ Real length(const Vec3<Real>& a) {
   return std::sqrt(dot(a, a));
 }
 
-// The zero vector stays zero.
+// Returns the unit vector along `a`, or the zero vector for a zero vector.
 template <class Real>
 Vec3<Real> normalized(const Vec3<Real>& a) {
   const Real l = length(a);
@@ -66,7 +71,7 @@ constexpr Vec3f to_float(const Vec3d& a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
 
-// Column-major 4x4 matrix, as in glTF: element (row, column) is m[4 * column + row].
+// A 4x4 matrix, stored by columns as in glTF: element (row, column) is m[4 * column + row].
 struct Mat4 {
   std::array<double, 16> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   constexpr bool operator==(const Mat4&) const = default;
@@ -74,18 +79,20 @@ struct Mat4 {
 
 // ----------------------------------------------------------------------------------------------- errors
 
+// What happened.
 enum class ErrorKind {
-  bad_argument,    // the caller asked for something that makes no sense        (exit code 2)
-  bad_input,       // a file is truncated, hostile, or not what it claims to be (exit code 3)
-  nothing_to_do,   // valid input without anything to work on                   (exit code 4)
-  quality_missed,  // the asked-for quality was not reached                     (exit code 5)
-  cannot_write,    // no permission, disk full                                  (exit code 1)
-  interrupted,     // the caller's Progress said stop                           (exit code 130)
-  internal,        // a bug in pellucid                                         (exit code 1)
+  bad_argument,    // an argument or option has a value that the function does not accept
+  bad_input,       // a file or a mesh is missing, truncated, malformed or inconsistent
+  nothing_to_do,   // the input is valid but contains nothing to work on
+  quality_missed,  // the result does not reach the requested quality
+  cannot_write,    // a file cannot be written: no permission, disk full, another run holds the folder
+  interrupted,     // the caller's Progress requested a stop
+  internal,        // a bug in pellucid
 };
 
-// Thrown at the public surface only. what() is one line that names the file or argument, the reason and,
-// where there is one, the remedy: "bunny.ply: vertex 17 of 35947 is cut off (file ends at byte 812)".
+// The only exception that public functions throw on purpose. what() is one line that names the file or the
+// argument, the reason and, if there is one, the remedy: "bunny.ply: vertex 17 of 35947 is cut off (file ends
+// at byte 812)".
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
@@ -97,8 +104,9 @@ class Error : public std::runtime_error {
 
 // ---------------------------------------------------------------------------------- progress and time
 
-// How long work tells of itself, and how it is told to stop. The library never prints; the command line
-// derives from this. Methods may be called from several threads at once.
+// Reports the progress of long operations and lets the caller stop them. The library itself never prints: the
+// caller derives from this class and decides what to show. Methods may be called from several threads at
+// once.
 class Progress {
  public:
   Progress() = default;
@@ -106,20 +114,22 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   virtual ~Progress() = default;
 
-  // A stage named `name` begins; `advance` will be called until its arguments sum up to `total`.
-  // `total` = 0: the amount of work is not known.
+  // Announces that a stage named `name` begins. The arguments of the advance() calls that follow add up to
+  // `total`. A `total` of 0 means that the amount of work is unknown.
   virtual void begin(std::string_view name, std::uint64_t total) = 0;
+  // Announces that `amount` more of the stage's total is done.
   virtual void advance(std::uint64_t amount) = 0;
-  // One line that the user should know of while work goes on, such as a damaged record that is made anew.
+  // Passes on one line that the user should see while work goes on, for example that a damaged checkpoint is
+  // computed again.
   virtual void note(std::string_view /*line*/) {}
-  // True once the caller wants to stop: the work then ends soon with Error{interrupted}.
+  // Returns true once the caller wants to stop. The operation then soon throws Error{interrupted}.
   [[nodiscard]] virtual bool stop_requested() const { return false; }
 };
 
-// Throw Error{interrupted} when `progress` (may be null) asks for a stop.
+// Throws Error{interrupted} if `progress` is not null and requests a stop.
 void stop_if_requested(const Progress* progress);
 
-// Null-safe shorthands.
+// Call begin() and advance() unless `progress` is null.
 inline void begin_stage(Progress* progress, std::string_view name, std::uint64_t total) {
   if (progress != nullptr) progress->begin(name, total);
 }
@@ -127,13 +137,13 @@ inline void advance_stage(Progress* progress, std::uint64_t amount) {
   if (progress != nullptr) progress->advance(amount);
 }
 
-// Wall time since it was made.
+// Measures wall time since its construction.
 class Stopwatch {
  public:
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-  // The seconds so far; then it starts anew.
+  // Returns the seconds so far and restarts the measurement.
   double lap() {
     const double elapsed = seconds();
     start_ = std::chrono::steady_clock::now();
@@ -146,27 +156,29 @@ class Stopwatch {
 
 // ----------------------------------------------------------------------------------------------- random
 
-// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014): small, seeded, the same on every platform; std::
-// distributions are not. Never seeded from a clock.
+// A pseudo-random generator, SplitMix64 (Steele, Lea, Flood, OOPSLA 2014). The same seed gives the same
+// numbers on every platform, which the distributions of the standard library do not promise. The library
+// never seeds it from a clock.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
+  // Returns 64 random bits.
   std::uint64_t next() {
     std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
     z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
     z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
     return z ^ (z >> 31U);
   }
-  // Uniform in [0, 1).
+  // Returns a number that is uniform in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11U) * 0x1.0p-53; }
-  // Uniform in [low, high).
+  // Returns a number that is uniform in [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  // Uniform in 0 .. count - 1; count > 0.
+  // Returns a number of 0 .. count - 1, where count > 0.
   std::uint64_t below(std::uint64_t count) { return next() % count; }
-  // Random(state()) goes on where this one is.
+  // Returns the state. Random(state()) produces the same numbers that this generator would produce next.
   [[nodiscard]] std::uint64_t state() const { return state_; }
-  // Uniform on the unit sphere.
+  // Returns a unit vector that is uniform on the sphere.
   Vec3d direction() {
     const double z = uniform(-1.0, 1.0);
     const double phi = uniform(0.0, 6.283185307179586);
@@ -180,23 +192,23 @@ class Random {
 
 // ------------------------------------------------------------------------------------------------ files
 
-// The whole of a file. Throws Error{bad_input} naming the path and the system's reason (missing, a directory,
-// no permission, larger than `max_bytes`).
+// Returns the whole content of a file. Throws Error{bad_input} that names the path and the reason: the file
+// is missing, is a directory, may not be read, or is larger than `max_bytes`.
 std::vector<std::byte> read_file(const std::string& path, std::uint64_t max_bytes = std::uint64_t{8} << 30U);
 
-// Write through a temporary file beside `path`, flush it to disk, then rename: the file appears whole or not
-// at all, and the temporary is gone whatever happens. Throws Error{cannot_write} naming the path and the
-// reason.
+// Writes a file so that it appears complete or not at all: writes a temporary file beside `path`, flushes it
+// to disk and renames it. The temporary file is removed if anything fails. Devices and pipes are written in
+// place. Throws Error{cannot_write} that names the path and the reason.
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 void write_file_atomically(const std::string& path, std::string_view text);
 
 // ---------------------------------------------------------------------------------------------- process
 
-// Largest resident set of this process so far, in bytes (0 where the system does not say).
+// Returns the largest resident set of this process so far, in bytes, or 0 if the system does not report it.
 std::uint64_t peak_rss_bytes();
 
-// Limit the library's parallelism to `threads` (0: all cores) while this object lives. Results never
-// depend on it.
+// Limits the library to `threads` threads (0: all cores) while this object exists. Results do not depend on
+// the number of threads.
 class ThreadLimit {
  public:
   explicit ThreadLimit(unsigned threads);
@@ -208,11 +220,15 @@ class ThreadLimit {
   void* control_;
 };
 
+// --------------------------------------------------------------------------------------- images and numbers
+
+// An image of 8 bits per channel.
 struct Image {
-  std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;  // 3 bytes a pixel, sRGB, upper row first
+  std::uint32_t width = 0, height = 0;  // pixels
+  std::vector<std::uint8_t> rgb;        // 3 bytes per pixel, sRGB, rows from top to bottom
 };
 
-std::string format_count(std::uint64_t count);  // 12,345
+// Returns a number with a comma after every three digits: "12,345".
+std::string format_count(std::uint64_t count);
 
 }  // namespace pellucid

@@ -1,8 +1,12 @@
-// pellucid/checkpoint.h - finished parts of a long run, kept in a folder until the run has succeeded.
+// pellucid/checkpoint.h - saves finished parts of a long run in a folder, so that a later run can continue.
 //
-// A record is one file, NAME.RUN.record: NAME is the part, RUN stands for everything that the result depends
-// on (order_mesh: the mesh, its options and the version of pellucid), so that a record is never used for
-// another input. It appears whole or not at all, and carries a checksum: what is damaged is made anew.
+// In: the bytes of each finished part. Out: the same bytes after the process was stopped, or nothing if the
+// record is missing or damaged. The records are removed when the run has succeeded.
+//
+// A record is one file named NAME.RUN.record. NAME names the part. RUN is a hash of everything that the
+// result depends on, which for order_mesh() is the mesh, the options and the version of pellucid. A record is
+// therefore never used for another input. Each record is written atomically and has a checksum. The caller
+// computes a damaged part again.
 #pragma once
 
 #include <cstddef>
@@ -22,13 +26,13 @@ namespace platform {
 class FileLock;
 }
 
-// May be used for several meshes one after the other. load, save and remove may be called from several
-// threads at once.
+// A folder of records. One store may serve several runs, one after the other. load(), save() and refuse() may
+// be called from several threads at once.
 class CheckpointStore {
  public:
-  // Makes the folder where there is none (its parent must exist), takes it for this process alone until the
-  // object goes, and removes what a killed process left half written. Throws Error{cannot_write} naming the
-  // folder and the reason. Notes go to `progress` (may be null).
+  // Creates the folder if it does not exist (its parent must exist) and locks it for this process until the
+  // store is destroyed. Removes partly written files that a killed process left. Sends notes to `progress`,
+  // which may be null. Throws Error{cannot_write} that names the folder and the reason.
   explicit CheckpointStore(std::string folder, Progress* progress = nullptr);
   ~CheckpointStore();
   CheckpointStore(const CheckpointStore&) = delete;
@@ -36,18 +40,20 @@ class CheckpointStore {
 
   [[nodiscard]] const std::string& folder() const { return folder_; }
 
-  // Notes how many records of the run are there, or that all that are there belong to other runs.
+  // Starts a run. Notes how many records of this run exist, or that all existing records belong to other
+  // runs.
   void begin_run(const std::string& run);
-  // The bytes that were saved; nothing where there is no record, or, with a note, a damaged one.
+  // Returns the bytes that save() wrote, or nothing if there is no such record. Notes a damaged record and
+  // returns nothing for it.
   std::optional<std::vector<std::byte>> load(const std::string& run, const std::string& name);
-  // Throws Error{cannot_write} naming the file and the reason.
+  // Writes a record. Throws Error{cannot_write} that names the file and the reason.
   void save(const std::string& run, const std::string& name, std::vector<std::byte> bytes);
-  // Says that a record was sound but did not hold what was expected.
+  // Notes that a record is intact but does not have the expected content.
   void refuse(const std::string& run, const std::string& name);
-  // Remove the run's records but one.
+  // Removes all records of the run except the one named `kept`.
   void remove_others(const std::string& run, const std::string& kept);
-  // Remove the records of all runs begun here: the last call, once the result is safe elsewhere. The folder
-  // goes with its last record.
+  // Removes the records of all runs that were begun with this store, and the folder if it is then empty. This
+  // is the last call, after the result has been written elsewhere.
   void finish();
 
  private:
@@ -58,10 +64,11 @@ class CheckpointStore {
   std::string folder_;
   Progress* progress_;
   std::unique_ptr<platform::FileLock> lock_;
-  std::set<std::string> runs_;  // begun here
+  std::set<std::string> runs_;  // runs that were begun with this store
 };
 
-// 64 bits that any change of a byte changes: against damage and mistakes, not against malice.
+// Returns a 64-bit hash of the bytes. It detects damage and mistakes; it does not resist deliberate
+// collisions.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed);
 
 }  // namespace pellucid

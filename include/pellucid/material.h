@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pellucid/asset.h"
-#include "pellucid/sampling.h"
+#include "pellucid/mesh.h"
 
 namespace pellucid {
 

@@ -27,7 +27,6 @@
 #include "pellucid/budget.h"
 #include "pellucid/mesh.h"
 #include "pellucid/raster.h"
-#include "pellucid/sampling.h"
 
 namespace pellucid {
 

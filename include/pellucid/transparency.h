@@ -63,11 +63,6 @@ enum class MergePriority {
   difference /* min |I u J| - |I n J| */,
   union_size /* min |I u J| */
 };
-// How the nodes of an order are put into a sequence for the vertex cache (section 4).
-enum class CacheMethod {
-  scheduled,  // list scheduling and a local search, twins beside each other where they may be
-  tipsify,    // the paper's
-};
 enum class Projection { perspective, orthographic };
 
 struct OrderOptions {

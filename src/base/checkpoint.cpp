@@ -1,4 +1,4 @@
-// Records of finished work in a folder: see pellucid/checkpoint.h.
+// Implements CheckpointStore: the file format of records, the lock of the folder, and the notes to the user.
 #include "pellucid/checkpoint.h"
 
 #include <algorithm>
@@ -15,14 +15,14 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kExtension = ".record";
 constexpr std::string_view kLockName = ".lock";
-// write_file_atomically() appends a dot and so many characters to the name of a file that is being written.
+// write_file_atomically() appends a dot and this many characters to the name of a file while it writes it.
 constexpr std::size_t kTemporaryCharacters = 6;
 
-// What follows the bytes of a record in its file.
+// Follows the bytes of a record in its file.
 struct Trailer {
   std::uint64_t size = 0;
-  std::uint64_t checksum = 0;  // seeded by the record's name, so that a renamed file is no record
-  std::uint64_t magic = 0x31305245434C4C50U;  // of this form of trailer, and of this byte order
+  std::uint64_t checksum = 0;                 // seeded by the file name, so that a renamed file is rejected
+  std::uint64_t magic = 0x31305245434C4C50U;  // identifies the format and the byte order
 };
 static_assert(sizeof(Trailer) == 3 * sizeof(std::uint64_t));
 
@@ -66,8 +66,8 @@ std::uint64_t checksum_of(std::span<const std::byte> bytes, const std::string& p
 }  // namespace
 
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed) {
-  // Four chains side by side, as a multiplication takes several cycles. Every step is a bijection of the
-  // chain and of the word, so that no single change is lost.
+  // Run four independent chains, because a multiplication takes several cycles. Every step is a bijection of
+  // both the chain and the word, so a change of a single word always changes the hash.
   std::array<std::uint64_t, 4> chains{seed, seed + 1, seed + 2, seed + 3};
   constexpr std::size_t kBlock = sizeof(chains);
   std::array<std::uint64_t, 4> words{};
@@ -126,7 +126,8 @@ void CheckpointStore::begin_run(const std::string& run) {
   if (own > 0) {
     progress_->note(folder_ + ": continuing from " + std::to_string(own) + " record(s)");
   } else if (foreign > 0) {
-    // Runs that go on meet their meshes in the same order: what is there for none of those met is not theirs.
+    // A continued run visits its meshes in the same order, so records of none of the runs so far belong to
+    // others.
     progress_->note(folder_ + ": " + std::to_string(foreign) +
                     " record(s) of another mesh, other options or another version of pellucid: ignored");
   }

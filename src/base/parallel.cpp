@@ -1,4 +1,4 @@
-// How many threads work at the same time: max_threads() of parallel.h and ThreadLimit of pellucid/base.h.
+// Implements the number of threads: max_threads() of parallel.h and ThreadLimit of pellucid/base.h.
 #include "base/parallel.h"
 
 #include "pellucid/base.h"
@@ -27,7 +27,7 @@ void end_limit(void* /*limit*/) {}
 #else
 
 std::size_t max_threads() {
-  // The arena does not know of the limit.
+  // The concurrency of the arena does not include the limit of ThreadLimit.
   const auto places = static_cast<std::size_t>(std::max(tbb::this_task_arena::max_concurrency(), 1));
   return std::min(places, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }

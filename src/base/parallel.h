@@ -1,5 +1,5 @@
-// Loops, sorts and objects for several threads. Only this file and parallel.cpp use oneTBB; where
-// PELLUCID_SERIAL is defined, nothing uses it, and everything runs on the calling thread with the same
+// Parallel loops, parallel sorting and objects per thread. Only this file and parallel.cpp use oneTBB. With
+// PELLUCID_SERIAL defined, oneTBB is not needed, and everything runs on the calling thread with the same
 // results.
 #pragma once
 
@@ -21,42 +21,41 @@
 
 namespace pellucid {
 
-// How several threads divide the loop of parallel_ranges(): both ways halve ranges that are longer than the
-// grain.
+// How parallel_ranges() divides a loop. Both kinds halve ranges that are longer than the grain.
 enum class Partitioner {
-  automatic,  // only as often as it takes to keep the threads busy
-  simple,     // until none is left, for any number of threads
+  automatic,  // halves only as often as needed to keep the threads busy
+  simple,     // halves until no range is longer than the grain, whatever the number of threads
 };
 
-// Returns how many threads work at the same time at most: 1 or more.
+// Returns the largest number of threads that work at the same time, which is at least 1.
 std::size_t max_threads();
 
-// Calls body(i) for every i of begin .. end - 1. What a body throws reaches the caller once no other body
-// runs. A loop inside another one ends as a sequential loop does: it is complete or throws, whatever is
-// thrown elsewhere.
+// Calls body(i) for every i of begin .. end - 1. An exception from a body reaches the caller after all
+// running bodies have returned. A nested loop behaves like a sequential loop: it completes or throws,
+// whatever is thrown outside of it.
 template <class Index, class Body>
 void parallel_loop(Index begin, Index end, const Body& body);
 
-// Calls body(range_begin, range_end) for ranges that together are begin .. end - 1. None is empty or shorter
-// than half the grain, unless the whole loop is. Otherwise as parallel_loop().
+// Calls body(range_begin, range_end) for disjoint ranges whose union is begin .. end - 1. No range is empty.
+// Each one is at least half a grain long, unless the whole loop is shorter. Exceptions are handled as by
+// parallel_loop().
 template <class Index, class Body>
 void parallel_ranges(Index begin, Index end, std::size_t grain, const Body& body,
                      Partitioner partitioner = Partitioner::automatic);
 
-// Sorts a range with random access. The order of elements that compare equal depends on the number of
-// threads: results are the same for any number only where nothing tells such elements apart.
+// Sorts a range of random-access iterators. The order of elements that compare equal depends on the number of
+// threads. The caller must therefore compare every member that can differ, if results must not depend on it.
 template <class Iterator, class Less = std::less<>>
 void parallel_sort(Iterator begin, Iterator end, const Less& less = Less());
 
-// Calls function(). While the calling thread waits there for a loop to end, it takes no work of loops
-// outside. It might otherwise begin another body of the loop that it is in, which uses the same PerThread
-// objects.
+// Calls function(). While the calling thread waits inside for a loop to end, it takes no work from outer
+// loops. Otherwise it could begin another body of the outer loop, which uses the same PerThread objects.
 template <class Function>
 void run_isolated(const Function& function);
 
-// Objects of which each thread has its own, such as working memory. A thread's object is made when the thread
-// first asks for it with local(): by make(), which several threads may call at once, or by T(). Which objects
-// there are in the end depends on the threads; results must not.
+// Gives each thread an object of its own, such as working memory. A thread's first call of local() creates
+// its object with make() or T(); several threads may call make() at once. The number of objects depends on
+// the threads, but results must not depend on it.
 template <class T>
 class PerThread;
 
@@ -105,9 +104,9 @@ class PerThread {
 
 // --------------------------------------------------------------------------------------- several threads
 
-// TBB cancels the loops inside a loop when one of its tasks throws, as a stop on request does: they return
-// early as if they were done, and what follows works on half of their results. The isolated context that each
-// loop has here keeps it from that.
+// When a task of a loop throws, for example Error{interrupted}, oneTBB cancels the loops nested in it. These
+// return early as if they were complete, and the code after them would work on partial results. Each loop
+// here has an isolated context, which prevents this cancellation.
 
 template <class Index, class Body>
 void parallel_loop(Index begin, Index end, const Body& body) {
@@ -130,7 +129,7 @@ void parallel_ranges(Index begin, Index end, std::size_t grain, const Body& body
 
 template <class Iterator, class Less>
 void parallel_sort(Iterator begin, Iterator end, const Less& less) {
-  // tbb::parallel_sort takes no context. It inherits that of the loop around it.
+  // tbb::parallel_sort takes no context; it inherits the one of the loop around it.
   parallel_loop(0, 1, [&](int) { tbb::parallel_sort(begin, end, less); });
 }
 

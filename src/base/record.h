@@ -1,7 +1,8 @@
-// Values as bytes and back: what the records of a long run hold.
+// Converts values to bytes and back, for the checkpoint records of a long run. In: numbers, vectors, maps,
+// and structures of these. Out: their bytes, or a value that is rejected if the bytes do not match its type.
 //
-// Numbers are stored as they lie in memory, lists with their length before them. A type of several members
-// says which by a function template beside it, found by argument:
+// Numbers are stored as they lie in memory. Lists are stored after their length. A structure lists its
+// members in a function template beside it, which is found by argument-dependent lookup:
 //   template <class Archive, RecordOf<Clustering> T>
 //   void fields(Archive& archive, T& value) { archive(value.cluster_of, value.ranks); }
 #pragma once
@@ -18,7 +19,7 @@
 
 namespace pellucid {
 
-// T or const T: one list of members serves writing and reading.
+// Matches T and const T, so that one list of members serves both writing and reading.
 template <class Candidate, class T>
 concept RecordOf = std::is_same_v<std::remove_const_t<Candidate>, T>;
 
@@ -75,7 +76,7 @@ class RecordReader {
  public:
   explicit RecordReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
-  // True when the bytes held exactly this value.
+  // Reads one value. Returns true if the bytes contain exactly this value and nothing else.
   template <class T>
   bool read(T& value) {
     take(value);
@@ -93,7 +94,8 @@ class RecordReader {
     std::memcpy(data, rest_.data(), size);
     rest_ = rest_.subspan(size);
   }
-  // A length that the bytes can hold, at least one each; else 0.
+  // Reads a length. Returns 0 if fewer bytes are left than the list has elements, which protects from huge
+  // allocations.
   std::size_t take_length() {
     std::uint64_t length = 0;
     take(length);

@@ -1,4 +1,4 @@
-// A nameless temporary file: see spill_file.h.
+// Implements SpillFile on platform::File.
 #include "base/spill_file.h"
 
 #include <system_error>
@@ -9,7 +9,7 @@
 namespace pellucid {
 namespace {
 
-// Calls `work`. Where that fails, throws an Error that says in which folder what cannot be done.
+// Calls `work`. If the system reports an error, throws an Error that names the folder and what failed.
 template <class Work>
 auto named(const std::string& folder, const char* what, const Work& work) {
   try {

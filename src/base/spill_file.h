@@ -1,4 +1,4 @@
-// A temporary file for what does not fit into the memory that a run may take.
+// A temporary file that holds data for which the memory budget of a run has no space.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,9 @@ namespace platform {
 class File;
 }
 
-// Words in a file in platform::temporary_folder(): it is gone with the program, however that ends.
-// Throws Error{cannot_write} naming the folder and the reason. Calls from several threads are safe.
+// A file of 32-bit words in platform::temporary_folder(). The system removes it when the object is destroyed
+// or the process ends in any way. All functions throw Error{cannot_write} that names the folder and the
+// reason. append() and read() may be called from several threads at once.
 class SpillFile {
  public:
   SpillFile();
@@ -22,7 +23,9 @@ class SpillFile {
   SpillFile(const SpillFile&) = delete;
   SpillFile& operator=(const SpillFile&) = delete;
 
-  std::uint64_t append(std::span<const std::uint32_t> words);  // returns where they begin, in words
+  // Appends words and returns the position of the first one, counted in words.
+  std::uint64_t append(std::span<const std::uint32_t> words);
+  // Reads words.size() words from `position` on, counted in words.
   void read(std::uint64_t position, std::span<std::uint32_t> words) const;
 
  private:

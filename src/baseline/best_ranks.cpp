@@ -3,8 +3,8 @@
 
 #include "pellucid/baseline.h"
 #include "pellucid/sequencing.h"
+#include "sequencing/edge_rows.h"
 #include "sequencing/linear_order.h"
-#include "sequencing/strong_components.h"
 #include "transparency/graph/viewpoint_edges.h"
 
 namespace pellucid {
@@ -67,7 +67,7 @@ std::vector<std::uint32_t> best_ranks(const Mesh& mesh, const BoundingSphere& sp
   sifting.sweeps = 20;
   sifting.least_gain = 0;
   std::vector<std::uint32_t> sifted = ranks;
-  sift(net_wishes(inner), sifting, sifted);
+  sift(net_preferences(inner), sifting, sifted);
   for (NodeId node = 0; node < keys.size(); ++node)
     keys[node] += static_cast<double>(sifted[node]) / (2.0 * static_cast<double>(keys.size()));
   return ranks_by_key(keys);

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "sequencing/cache_order.h"
 #include "sequencing/linear_order.h"
-#include "sequencing/sequence.h"
 
 namespace pellucid {
 namespace {
@@ -84,7 +84,7 @@ class RegionPresorter {
     for (int round = 0;; ++round) {
       stop_if_requested(problem_.progress);
       edges = copy_edges();
-      sift(net_wishes(edges), {}, ranks_);
+      sift(net_preferences(edges), {}, ranks_);
       const std::vector<std::uint32_t> chosen = copies_to_split(edges);
       if (chosen.empty() || round == kMostRounds) break;
       if (copies_.size() + chosen.size() > problem_.max_copies) {
@@ -404,9 +404,9 @@ class RegionPresorter {
     for (const std::uint32_t back : edges.backs) rows.backs.push_back(node_of(back, false));
     rows.weights = edges.weights;
     std::vector<std::uint32_t> sequence =
-        problem_.cache_size == 0 ? rank_sequence(ranks, drawn)
-                                 : cache_aware_sequence(mesh, rows, ranks, drawn,
-                                                        {CacheMethod::tipsify, problem_.cache_size, 0, 0});
+        problem_.cache_size == 0
+            ? order_by_rank(ranks, drawn)
+            : cache_aware_order(mesh, rows, ranks, drawn, {CacheMethod::tipsify, problem_.cache_size, 0, 0});
     for (std::uint32_t& entry : sequence) entry = triangle_of(entry);
     return sequence;
   }

@@ -1,4 +1,4 @@
-// Shapes of the procedural samples: see sample_shapes.h.
+// Implements the shapes of the procedural samples.
 #include "mesh/sample_shapes.h"
 
 #include <algorithm>
@@ -20,7 +20,8 @@ double distance(const ProfilePoint& a, const ProfilePoint& b) {
   return std::hypot(b.radius - a.radius, b.height - a.height);
 }
 
-// Barry and Goldman's pyramid for the span p[1]..p[2] of a Catmull-Rom spline with centripetal knots.
+// Returns a point of the span p[1]..p[2] of a Catmull-Rom spline with centripetal knots, by the pyramid of
+// Barry and Goldman, SIGGRAPH 1988.
 ProfilePoint spline_point(const std::array<ProfilePoint, 4>& p, double t) {
   std::array<double, 4> knot{};
   for (std::size_t i = 1; i < 4; ++i) knot[i] = knot[i - 1] + std::sqrt(distance(p[i - 1], p[i]));
@@ -34,7 +35,7 @@ ProfilePoint spline_point(const std::array<ProfilePoint, 4>& p, double t) {
   return mix(q[0], q[1], t);
 }
 
-// The control before an end: mirrored at the axis, or a straight continuation.
+// Returns a control point beyond an end: the next one mirrored at the axis, or a straight continuation.
 ProfilePoint beyond_end(const ProfilePoint& end, const ProfilePoint& next) {
   if (end.radius == 0) return {-next.radius, next.height};
   return {2 * end.radius - next.radius, 2 * end.height - next.height};
@@ -44,7 +45,7 @@ bool on_axis(const ProfilePoint& p) {
   return p.radius == 0;
 }
 
-// Vertex numbers of one ring of a surface of revolution: a single pole, or `segments` vertices.
+// The vertices of one ring of a surface of revolution: a single pole, or `segments` vertices.
 struct Ring {
   std::uint32_t first = 0;
   std::uint32_t count = 1;
@@ -68,7 +69,7 @@ void join_rings(Mesh& mesh, const Ring& low, const Ring& high, std::uint32_t seg
   }
 }
 
-// The six sides of a cube: a corner of the lattice and two directions, their cross product outwards.
+// The six sides of a cube: a corner of the lattice and two directions whose cross product points outwards.
 struct CubeSide {
   std::array<std::uint32_t, 3> corner, u, v;  // corner in units of n
 };
@@ -79,7 +80,8 @@ constexpr std::array<CubeSide, 6> kCubeSides{{{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}},
                                               {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}},
                                               {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}}};
 
-// Equal angles, not equal lengths, between neighbours: squares of nearly the same size on the sphere.
+// Returns coordinates at equal angles instead of equal lengths, so that the squares have nearly the same size
+// on the sphere.
 double cube_coordinate(std::uint32_t i, std::uint32_t n) {
   return std::tan(std::numbers::pi / 4 * (2.0 * i / n - 1.0));
 }
@@ -186,7 +188,7 @@ Mesh star_shape(const std::function<double(const Vec3d&)>& radius, std::uint32_t
 }
 
 Mesh disc(double radius, double height, std::uint32_t segments) {
-  // From the rim to the pole: the normal turns upwards.
+  // The profile runs from the rim to the pole, so that the normal points up.
   return revolve({{radius, height}, {0, height}}, segments);
 }
 

@@ -1,27 +1,138 @@
-// Which triangles intersect, and their pieces that do not: see pellucid/split.h.
+// Implements pellucid/split.h: finds triangles that intersect and cuts them into pieces that do not.
 //
-// A pair needs one cut only: where A is cut along the plane of B, no piece of A crosses B any more. The one
-// is cut that the plane of the other meets along a shorter line: mostly this line lies inside the other, and
-// its ends are where the neighbours cross the other too and need no further corner.
+// One cut per pair is enough: after triangle A is cut along the plane of B, no piece of A crosses B. Of the
+// two triangles, the one that the plane of the other meets along a shorter line is cut. This line mostly lies
+// inside the other triangle. At its ends the neighbours cross the other triangle, too, and therefore need no
+// further corner.
 #include "pellucid/split.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "base/parallel.h"
-#include "mesh/box_tree.h"
 #include "mesh/polygon_mesh.h"
 
 namespace pellucid {
 namespace {
 
+// ------------------------------------------------------------------------------------------- a tree of boxes
+
+// An axis-aligned box.
+struct Box3 {
+  Vec3d low, high;
+
+  [[nodiscard]] bool overlaps(const Box3& b) const {
+    return low.x <= b.high.x && b.low.x <= high.x && low.y <= b.high.y && b.low.y <= high.y &&
+           low.z <= b.high.z && b.low.z <= high.z;
+  }
+  void include(const Vec3d& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
+
+constexpr std::uint32_t kLeafSize = 4;
+
+double component(const Vec3d& v, int axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+int longest_axis(const Box3& box) {
+  const Vec3d size = box.high - box.low;
+  if (size.x >= size.y && size.x >= size.z) return 0;
+  return size.y >= size.z ? 1 : 2;
+}
+
+// A binary tree of boxes. Every node is split at the median of the box centres along its longest side.
+// Building takes O(n log n).
+class BoxTree {
+ public:
+  explicit BoxTree(std::span<const Box3> boxes) : boxes_(boxes), ids_(boxes.size()) {
+    std::iota(ids_.begin(), ids_.end(), 0U);
+    if (boxes.empty()) return;
+    const auto count = static_cast<std::uint32_t>(boxes.size());
+    nodes_.push_back({box_of(0, count), 0, 0, count});
+    // Children follow their parents in the list, so one pass over the growing list visits every node.
+    for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
+      if (nodes_[node].count > kLeafSize) halve(node);
+    }
+  }
+
+  // Calls visit(i) for every box that overlaps `query`, in an order that depends on the boxes alone.
+  template <class Visit>
+  void for_each_overlap(const Box3& query, const Visit& visit) const {
+    if (nodes_.empty()) return;
+    std::vector<std::uint32_t> stack{0};
+    while (!stack.empty()) {
+      const Node& node = nodes_[stack.back()];
+      stack.pop_back();
+      if (!node.box.overlaps(query)) continue;
+      if (node.left != 0) {
+        stack.push_back(node.left + 1);
+        stack.push_back(node.left);
+        continue;
+      }
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        if (boxes_[ids_[i]].overlaps(query)) visit(ids_[i]);
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    Box3 box;
+    std::uint32_t left = 0;  // children are left and left + 1; 0: a leaf
+    std::uint32_t first = 0, count = 0;
+  };
+
+  [[nodiscard]] Box3 box_of(std::uint32_t first, std::uint32_t count) const {
+    Box3 box = boxes_[ids_[first]];
+    for (std::uint32_t i = first + 1; i < first + count; ++i) {
+      box.include(boxes_[ids_[i]].low);
+      box.include(boxes_[ids_[i]].high);
+    }
+    return box;
+  }
+
+  void halve(std::uint32_t node) {
+    const std::uint32_t first = nodes_[node].first;
+    const std::uint32_t count = nodes_[node].count;
+    const std::uint32_t half = count / 2;
+    const int axis = longest_axis(nodes_[node].box);
+    const auto middle = [&](std::uint32_t id) {
+      return component(boxes_[id].low, axis) + component(boxes_[id].high, axis);
+    };
+    // The index breaks ties, so that the tree is the same everywhere.
+    std::nth_element(ids_.begin() + first, ids_.begin() + first + half, ids_.begin() + first + count,
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       const double key_a = middle(a);
+                       const double key_b = middle(b);
+                       return key_a < key_b || (key_a == key_b && a < b);
+                     });
+    nodes_[node].left = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back({box_of(first, half), 0, first, half});
+    nodes_.push_back({box_of(first + half, count - half), 0, first + half, count - half});
+  }
+
+  std::span<const Box3> boxes_;
+  std::vector<std::uint32_t> ids_;
+  std::vector<Node> nodes_;
+};
+
+// ---------------------------------------------------------------------------------------- intersecting pairs
+
 struct Tolerances {
   double crossing, thickness;
 };
 
-// In bounding radii; float32 coordinates far from the origin resolve less.
+// Returns the tolerances in bounding radii. They grow if the mesh is so far from the origin that float32
+// coordinates resolve less.
 Tolerances tolerances_of(const Mesh& mesh) {
   const BoundingSphere sphere = bounding_sphere(mesh);
   if (!(sphere.radius > 0)) return {kLeastCrossing, kPlaneThickness};
@@ -31,7 +142,8 @@ Tolerances tolerances_of(const Mesh& mesh) {
   return {std::max(kLeastCrossing, resolution), std::max(kPlaneThickness, resolution)};
 }
 
-// Where a plane meets the outline of a polygon, along the line of intersection with the polygon's own plane.
+// The interval in which a plane meets a polygon, measured along the line where it meets the plane of the
+// polygon.
 struct Chord {
   double begin = std::numeric_limits<double>::infinity();
   double end = -std::numeric_limits<double>::infinity();
@@ -40,11 +152,11 @@ struct Chord {
 
 // How two polygons cross.
 struct Crossing {
-  double length = 0;  // of the line that they share
-  Chord chords[2];    // of either polygon
+  double length = 0;  // of the part of the line that both polygons share
+  Chord chords[2];    // of each polygon
 };
 
-// Scratch memory.
+// A polygon and the signed distances of its corners from a plane. Reused as scratch memory.
 struct PolygonHeights {
   std::vector<Vec3d> corners;
   std::vector<double> heights;
@@ -71,7 +183,8 @@ void measure(const CutPlane& plane, PolygonHeights& polygon) {
   for (const Vec3d& corner : polygon.corners) polygon.heights.push_back(plane.height(corner));
 }
 
-// Convex polygons in the planes a_plane and b_plane.
+// Returns how the convex polygons `a` and `b` in the planes `a_plane` and `b_plane` cross, or nothing if they
+// do not cross by more than `least`.
 std::optional<Crossing> crossing_of(PolygonHeights& a, const CutPlane& a_plane, PolygonHeights& b,
                                     const CutPlane& b_plane, double least) {
   measure(b_plane, a);
@@ -93,7 +206,7 @@ struct IntersectingPair {
   double length;
 };
 
-// All intersecting pairs, by number.
+// Returns all intersecting pairs, sorted by their indices.
 std::vector<IntersectingPair> intersecting_pairs(const Mesh& mesh, double least, Progress* progress) {
   const UnitGeometry geometry(mesh);
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
@@ -137,6 +250,8 @@ std::vector<IntersectingPair> intersecting_pairs(const Mesh& mesh, double least,
   return pairs;
 }
 
+// ------------------------------------------------------------------------------------------------- splitting
+
 class IntersectionSplitter {
  public:
   IntersectionSplitter(const Mesh& mesh, std::vector<IntersectingPair> pairs, const Tolerances& tolerances,
@@ -149,7 +264,7 @@ class IntersectionSplitter {
   IntersectionSplit run() {
     IntersectionSplit result;
     result.pairs = pairs_.size();
-    // The longest crossings first: they are the most visible ones, should the limit be met.
+    // Cut the longest crossings first, because they are the most visible ones if the limit is reached.
     std::vector<IntersectingPair> pairs = pairs_;
     std::stable_sort(pairs.begin(), pairs.end(), [](const IntersectingPair& x, const IntersectingPair& y) {
       return x.length > y.length;

@@ -203,7 +203,7 @@ class CompactPatches {
     std::vector<std::array<double, 2>> costs(joins.size());
     parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(runs_.size()), [&](std::uint32_t patch) {
       if (of_patch[patch].empty()) return;
-      const WishRow row = rows.local().row(patch, positions);
+      const PreferenceRow row = rows.local().row(patch, positions);
       for (const std::uint32_t i : of_patch[patch]) {
         const bool is_first = joins[i].first == patch;
         costs[i][is_first ? 0 : 1] =

@@ -139,8 +139,8 @@ std::vector<std::uint32_t> joined_ranks(std::span<const std::uint32_t> ranks,
 
 }  // namespace
 
-double cost_of_moving(const WishRow& row, std::span<const std::uint32_t> ranks, NodeId item, NodeId target,
-                      bool pass_target) {
+double cost_of_moving(const PreferenceRow& row, std::span<const std::uint32_t> ranks, NodeId item,
+                      NodeId target, bool pass_target) {
   const std::uint32_t from = ranks[item];
   const std::uint32_t to = ranks[target];
   double cost = 0;

@@ -39,8 +39,8 @@ double mean_acmr(const OverdrawSubject& subject, const Patches& patches,
 
 // What it costs to move a patch, whose wishes these are, to right before or behind the target, and past it
 // with `pass_target`.
-double cost_of_moving(const WishRow& row, std::span<const std::uint32_t> ranks, NodeId item, NodeId target,
-                      bool pass_target);
+double cost_of_moving(const PreferenceRow& row, std::span<const std::uint32_t> ranks, NodeId item,
+                      NodeId target, bool pass_target);
 
 // Patches by rank.
 std::vector<std::uint32_t> sequence_of(std::span<const std::uint32_t> ranks);

@@ -187,7 +187,7 @@ void LayerRows::gather(std::span<const Layer> list, NodeId patch, std::int64_t w
   }
 }
 
-WishRow LayerRows::row(NodeId patch, std::span<const double> positions) {
+PreferenceRow LayerRows::row(NodeId patch, std::span<const double> positions) {
   for (const NodeId neighbor : neighbors_) {
     sums_[neighbor] = 0;
     met_[neighbor] = 0;
@@ -318,7 +318,7 @@ void sift_parts(const ListPool& pool, std::span<const WeightedList> weighted,
   for (std::size_t patch = 0; patch < ranks.size(); ++patch)
     keys[patch_parts[patch]] = std::min<double>(keys[patch_parts[patch]], ranks[patch]);
   std::vector<std::uint32_t> part_ranks = ranks_by_key(keys);
-  sift(net_wishes(part_edges(pool, weighted, patch_parts, part_count)), {}, part_ranks);
+  sift(net_preferences(part_edges(pool, weighted, patch_parts, part_count)), {}, part_ranks);
 
   std::vector<std::uint32_t> sizes(part_count, 0);
   for (const std::uint32_t part : patch_parts) ++sizes[part];

@@ -7,7 +7,7 @@
 
 #include "overdraw/layer_lists.h"
 #include "sequencing/k_orders.h"
-#include "sequencing/sifter.h"
+#include "sequencing/linear_order.h"
 
 namespace pellucid {
 
@@ -40,8 +40,10 @@ class LayerRows {
   LayerRows(const ListPool& pool, std::span<const WeightedList> weighted,
             std::span<const std::uint32_t> patch_parts, std::span<const std::uint32_t> ranks);
 
-  WishRow row(NodeId patch, std::span<const double> positions);
-  [[nodiscard]] std::pair<double, double> room(NodeId patch) const { return rooms_[patch_parts_[patch]]; }
+  PreferenceRow row(NodeId patch, std::span<const double> positions);
+  [[nodiscard]] std::pair<double, double> free_range(NodeId patch) const {
+    return rooms_[patch_parts_[patch]];
+  }
 
  private:
   void gather(std::span<const Layer> list, NodeId patch, std::int64_t weight,

@@ -8,9 +8,8 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "sequencing/cache_order.h"
 #include "sequencing/fifo_cache.h"
-#include "sequencing/gather_visits.h"
-#include "sequencing/tipsify.h"
 
 namespace pellucid {
 namespace {
@@ -102,7 +101,7 @@ namespace {
 struct PartMesh {
   Mesh mesh;  // only as many positions as there are vertices
   std::uint32_t first_triangle = 0;
-  SequenceConstraints none;         // nothing must come before anything
+  OrderConstraints none;            // nothing must come before anything
   std::vector<std::uint8_t> drawn;  // by node: every triangle once
 
   // Of a global list by node.

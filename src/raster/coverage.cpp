@@ -1,4 +1,4 @@
-// coverage.cpp - see coverage.h.
+// Implements coverage. Highway includes this file once per instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raster/coverage.cpp"
 #include "raster/coverage.h"
@@ -15,7 +15,8 @@ namespace pellucid::raster {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Plain vectors instead of arrays of them: some instruction sets have vectors that no array can hold.
+// The kernel uses single vectors instead of arrays, because some instruction sets have vectors of unknown
+// size, which an array cannot hold.
 void cover_small_simd(std::span<const SmallTriangle> triangles, std::span<SmallRow> rows) {
   const hn::CappedTag<std::int32_t, 8> tag;
   constexpr std::int32_t kLanes = hn::MaxLanes(tag);
@@ -35,13 +36,13 @@ void cover_small_simd(std::span<const SmallTriangle> triangles, std::span<SmallR
     const std::uint64_t columns =
         triangle.columns < 64 ? (std::uint64_t{1} << triangle.columns) - 1 : ~std::uint64_t{0};
     for (std::uint32_t y = 0; y < triangle.rows; ++y) {
-      // Bit i of the mask says that column i is covered.
+      // Bit i of the mask is set if column i is covered.
       std::uint64_t mask = 0;
       auto e0 = row0;
       auto e1 = row1;
       auto e2 = row2;
       for (std::uint32_t column = 0; column < triangle.columns; column += kLanes) {
-        // The sign bit of the union says "outside".
+        // The sign bit of the union is set outside of the triangle.
         const auto inside = hn::Gt(hn::Or(e0, hn::Or(e1, e2)), minus_one);
         std::uint64_t bits = 0;
         hn::StoreMaskBits(tag, inside, reinterpret_cast<std::uint8_t*>(&bits));
@@ -51,7 +52,7 @@ void cover_small_simd(std::span<const SmallTriangle> triangles, std::span<SmallR
         e2 = hn::Add(e2, block_step(2));
       }
       mask &= columns;
-      // A triangle is convex: what it covers of a row has no holes.
+      // A triangle is convex, so the covered pixels of a row have no holes.
       *row++ = {static_cast<std::uint8_t>(mask == 0 ? 0 : std::countr_zero(mask)),
                 static_cast<std::uint8_t>(std::popcount(mask))};
       row0 = hn::Add(row0, row_step(0));
@@ -71,12 +72,13 @@ namespace {
 
 HWY_EXPORT(cover_small_simd);
 
-// a / b rounded down; b > 0.
+// Returns a / b rounded down, for b > 0.
 constexpr std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
   return a / b - (a % b < 0 ? 1 : 0);
 }
 
-// First pixel whose centre is at or right of x (below y), and the last that is at or left of it (above y).
+// Return the first pixel whose centre is at or right of x (at or below y), and the last one whose centre is
+// at or left of it (at or above y).
 constexpr std::int32_t first_center(std::int32_t x) {
   return static_cast<std::int32_t>(floor_divide(std::int64_t{x} + kSubpixels / 2 - 1, kSubpixels));
 }
@@ -109,7 +111,7 @@ Edges<std::int64_t> make_edges(const FixedPoint& a, const FixedPoint& b, const F
     const FixedPoint& to = corners[k + 1];
     const std::int64_t dx = to.x - from.x;
     const std::int64_t dy = to.y - from.y;
-    // Clockwise on the screen: left edges go up, top edges go right.
+    // The corners run clockwise on the screen, so left edges go up and top edges go right.
     const bool owns_its_points = dy < 0 || (dy == 0 && dx > 0);
     edges.start[k] = dx * (center.y - from.y) - dy * (center.x - from.x) - (owns_its_points ? 0 : 1);
     edges.step_x[k] = -dy * kSubpixels;
@@ -124,7 +126,7 @@ RowSpan cover_row(const Edges<std::int64_t>& edges, std::uint32_t row, std::uint
   for (std::size_t k = 0; k < 3; ++k) {
     const std::int64_t start = edges.start[k] + edges.step_y[k] * row;
     const std::int64_t step = edges.step_x[k];
-    // Solve start + step * x >= 0 for whole x.
+    // Solve start + step * x >= 0 for integer x.
     if (step > 0) {
       first = std::max(first, -floor_divide(start, step));
     } else if (step < 0) {

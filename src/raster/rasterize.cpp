@@ -1,16 +1,18 @@
-// rasterize.cpp - the way from a mesh to its fragments: project, cover, list.
+// Implements rasterize(): projects the vertices, converts triangles to spans, and spans to fragment lists.
 #include <algorithm>
-#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "base/parallel.h"
 #include "pellucid/raster.h"
-#include "raster/fragment_lists.h"
 #include "raster/projection.h"
 #include "raster/spans.h"
 
 namespace pellucid {
 
-// What one call leaves for the next on the same buffer.
+// The working memory that calls with the same buffer reuse.
 struct RasterMemory {
   std::vector<raster::ScreenVertex> vertices;
   std::vector<raster::BandedSpans> parts;
@@ -21,16 +23,16 @@ namespace {
 using raster::BandedSpans;
 using raster::Bands;
 
-// Parts of a mesh are rasterised in parallel; smaller ones are not worth a task.
+// Parts of a mesh are rasterised in parallel. Smaller parts do not justify a task.
 constexpr std::size_t kMinTrianglesPerPart = 8192;
 constexpr std::size_t kVerticesPerTask = 8192;
 constexpr std::uint64_t kMaxPixels = 1ULL << 28U;
 
-void check_picture(const Camera& camera) {
+void check_image(const Camera& camera) {
   const std::uint64_t pixels = std::uint64_t{camera.width} * camera.height;
   if (pixels == 0 || pixels > kMaxPixels || std::max(camera.width, camera.height) > raster::kMaxSide) {
     throw Error(ErrorKind::bad_argument,
-                "picture size " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                "image size " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
                     ": at least one pixel, at most 2^28 and at most 2^20 a side are possible");
   }
   const bool planes_ok = camera.perspective ? camera.near_plane > 0 && camera.near_plane < camera.far_plane
@@ -42,7 +44,7 @@ void check_picture(const Camera& camera) {
   }
 }
 
-// Working memory of `out`, unless a copy of it shares it.
+// Returns the working memory of `out`. Makes a new one if a copy of `out` shares the old one.
 RasterMemory& memory_of(FragmentBuffer& out) {
   if (out.memory == nullptr || out.memory.use_count() > 1) out.memory = std::make_shared<RasterMemory>();
   return *out.memory;
@@ -94,14 +96,13 @@ std::uint64_t FragmentBuffer::covered_pixels() const {
 }
 
 void rasterize(const Mesh& mesh, const Camera& camera, const RasterOptions& options, FragmentBuffer& out) {
-  check_picture(camera);
+  check_image(camera);
   const raster::Projection projection(camera);
   const Bands bands(camera.width, camera.height);
   RasterMemory& memory = memory_of(out);
   out.width = camera.width;
   out.height = camera.height;
-  // Isolated: a thread that waits here must not begin another frame of the caller, whose buffers it may
-  // share.
+  // A thread that waits here must not begin another frame of the caller, which may use the same buffer.
   run_isolated([&] {
     project_all(projection, mesh, memory);
     make_spans(projection, mesh, bands, options.culling, memory);

@@ -1,22 +1,27 @@
-// spans.cpp - see spans.h.
+// Implements spans and fragment lists.
 #include "raster/spans.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-
-#include "raster/clip.h"
+#include <optional>
+#include <utility>
 
 namespace pellucid::raster {
+
+// ---------------------------------------------------------------------------------------- triangles to spans
+
 namespace {
 
-// Pixels of a band: their counters and two or three fragments each stay in a second-level cache.
+// Pixels per band. Their counters and two or three fragments each fit into a second-level cache.
 constexpr std::uint32_t kBandPixels = 1U << 14U;
 
 constexpr double center(std::int32_t pixel) {
   return pixel + 0.5;
 }
 
-// Plane through three unsnapped screen vertices, or a constant where they have no area on the screen.
+// Returns the depth plane through three unsnapped screen vertices. Its gradients are not finite if the
+// triangle has no area on the screen.
 Projection::Plane plane_through(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
   const double abx = b.x - a.x, aby = b.y - a.y, abd = b.depth - a.depth;
   const double acx = c.x - a.x, acy = c.y - a.y, acd = c.depth - a.depth;
@@ -49,15 +54,15 @@ Edges<std::int32_t> narrowed(const Edges<std::int64_t>& wide) {
   return edges;
 }
 
-// The screen runs clockwise where space runs counter-clockwise, y being down: a front face has negative area.
+// On the screen y points down. A face that is counter-clockwise in space therefore has a negative area.
 bool is_back_facing(std::int64_t area) {
   return area > 0;
 }
 
 }  // namespace
 
-Bands::Bands(std::uint32_t picture_width, std::uint32_t picture_height)
-    : width(picture_width), height(picture_height) {
+Bands::Bands(std::uint32_t image_width, std::uint32_t image_height)
+    : width(image_width), height(image_height) {
   while (row_shift < 16 && (std::uint64_t{2} << row_shift) * width <= kBandPixels) ++row_shift;
   count = (height + (1U << row_shift) - 1) >> row_shift;
 }
@@ -130,7 +135,7 @@ void SpanMaker::add_clipped(const Mesh& mesh, std::uint32_t triangle) {
   const std::size_t count = polygon.corners().size();
   if (count < 3) return;
 
-  // Facing is that of the whole snapped polygon.
+  // The facing is that of the whole snapped polygon.
   std::array<ScreenVertex, ClippedPolygon::kMaxCorners> v;
   for (std::size_t k = 0; k < count; ++k) v[k] = projection_.screen(polygon.corners()[k]);
   std::int64_t area = 0;
@@ -146,10 +151,10 @@ void SpanMaker::add_clipped(const Mesh& mesh, std::uint32_t triangle) {
     near = std::min(near, v[k].depth);
     far = std::max(far, v[k].depth);
   }
-  // Seen edge-on: no plane over the screen.
+  // A triangle seen edge-on has no depth plane over the screen.
   if (!std::isfinite(plane.offset + plane.gradient_x + plane.gradient_y)) plane = {near, 0, 0};
 
-  // Cover it as a fan; rounding may turn a sliver of the fan over, which then covers nothing of its own.
+  // Cover the polygon as a fan. Rounding may reverse a sliver of the fan, which then covers nothing.
   for (std::size_t k = 2; k < count; ++k) {
     Corners corners{fixed(v[0]), fixed(v[k - 1]), fixed(v[k])};
     const std::int64_t part = twice_area(corners[0], corners[1], corners[2]);
@@ -170,8 +175,8 @@ void SpanMaker::add_clipped(const Mesh& mesh, std::uint32_t triangle) {
   }
 }
 
-void SpanMaker::cover(const Corners& corners, const PixelBox& box, const Surface& placeless) {
-  Surface surface = placeless;
+void SpanMaker::cover(const Corners& corners, const PixelBox& box, const Surface& unplaced) {
+  Surface surface = unplaced;
   surface.x = static_cast<std::uint32_t>(box.first_x);
   surface.y = static_cast<std::uint32_t>(box.first_y);
   if (!is_small(corners)) {
@@ -215,6 +220,152 @@ void SpanMaker::emit(const Surface& surface, std::uint32_t row, std::uint32_t fi
   span.x = surface.x + first;
   span.count = count;
   spans_.add(surface.y + row, span);
+}
+
+// ----------------------------------------------------------------------------------- spans to fragment lists
+
+namespace {
+
+// The standard library sorts longer lists.
+constexpr std::size_t kInsertionLimit = 24;
+
+// Returns a key that sorts by depth, then by node. Non-negative floats compare like their bits.
+std::uint64_t key_of(const Fragment& f) {
+  return (std::uint64_t{std::bit_cast<std::uint32_t>(f.depth)} << 32U) | f.node;
+}
+
+bool nearer(const Fragment& a, const Fragment& b) {
+  return key_of(a) < key_of(b);
+}
+
+void sort_two(Fragment& a, Fragment& b) {
+  const bool swapped = nearer(b, a);
+  const Fragment low = swapped ? b : a;
+  const Fragment high = swapped ? a : b;
+  a = low;
+  b = high;
+}
+
+void insertion_sort(std::span<Fragment> list) {
+  for (std::size_t i = 1; i < list.size(); ++i) {
+    const Fragment moving = list[i];
+    const std::uint64_t key = key_of(moving);
+    std::size_t place = i;
+    for (; place > 0 && key < key_of(list[place - 1]); --place) list[place] = list[place - 1];
+    list[place] = moving;
+  }
+}
+
+// The columns first .. last - 1.
+struct Columns {
+  std::uint32_t first, last;
+};
+
+// Counts the fragments per pixel as differences along each row: a span adds one at its first pixel and
+// subtracts one after its last. A row has one more counter than pixels. Returns the columns that any span
+// covers.
+Columns count_differences(const Bands& bands, std::uint32_t band, std::span<const BandedSpans> parts,
+                          std::vector<std::int32_t>& counters) {
+  const std::size_t stride = std::size_t{bands.width} + 1;
+  counters.assign(stride * bands.rows_of(band), 0);
+  Columns columns{bands.width, 0};
+  for (const BandedSpans& part : parts) {
+    for (const Span& span : part.band(band)) {
+      std::int32_t* first = counters.data() + stride * span.y + span.x;
+      ++first[0];
+      --first[span.count];
+      columns.first = std::min(columns.first, span.x);
+      columns.last = std::max(columns.last, span.x + span.count);
+    }
+  }
+  return columns.first < columns.last ? columns : Columns{0, 0};
+}
+
+}  // namespace
+
+void sort_fragments(std::span<Fragment> list) {
+  switch (list.size()) {
+    case 0:
+    case 1:
+      return;
+    case 2:
+      sort_two(list[0], list[1]);
+      return;
+    case 3:
+      sort_two(list[0], list[1]);
+      sort_two(list[1], list[2]);
+      sort_two(list[0], list[1]);
+      return;
+    case 4:
+      sort_two(list[0], list[1]);
+      sort_two(list[2], list[3]);
+      sort_two(list[0], list[2]);
+      sort_two(list[1], list[3]);
+      sort_two(list[1], list[2]);
+      return;
+    default:
+      if (list.size() <= kInsertionLimit) {
+        insertion_sort(list);
+      } else {
+        std::sort(list.begin(), list.end(), nearer);
+      }
+  }
+}
+
+std::uint64_t count_fragments(std::span<const BandedSpans> parts, std::uint32_t band) {
+  std::uint64_t count = 0;
+  for (const BandedSpans& part : parts) count += part.fragments(band);
+  return count;
+}
+
+void fill_band(const Bands& bands, std::uint32_t band, std::span<const BandedSpans> parts,
+               std::uint64_t first, std::vector<std::int32_t>& counters, FragmentBuffer& out) {
+  const std::size_t width = bands.width;
+  const std::size_t pixels = width * bands.rows_of(band);
+  std::uint64_t* const offsets = out.offsets.data() + width * bands.first_row(band);
+  Fragment* const fragments = out.fragments.data();
+  const Columns columns = count_differences(bands, band, parts, counters);
+
+  // Every offset starts at the end of its pixel's list. Filling moves it to the first fragment of the list.
+  std::uint64_t end = first;
+  for (std::size_t row = 0; row < pixels; row += width) {
+    const std::int32_t* differences = counters.data() + row + row / width;
+    std::fill_n(offsets + row, columns.first, end);
+    std::int32_t count = 0;
+    for (std::size_t x = columns.first; x < columns.last; ++x) {
+      count += differences[x];
+      end += static_cast<std::uint32_t>(count);
+      offsets[row + x] = end;
+    }
+    std::fill_n(offsets + row + columns.last, width - columns.last, end);
+  }
+  for (const BandedSpans& part : parts) {
+    for (const Span& span : part.band(band)) {
+      std::uint64_t* const cursor = offsets + width * span.y + span.x;
+      const double depth_at_first = span.depth;
+      const double step = span.step;
+      const float low = span.min_depth;
+      const float high = span.max_depth;
+      const std::uint32_t node = span.node;
+      for (std::uint32_t i = 0; i < span.count; ++i) {
+        const auto depth = static_cast<float>(depth_at_first + step * i);
+        fragments[--cursor[i]] = {std::min(std::max(depth, low), high), node};
+      }
+    }
+  }
+
+  // The end of a pixel's list is the start of the next.
+  for (std::size_t row = 0; row < pixels; row += width) {
+    for (std::size_t p = row + columns.first; p < row + columns.last; ++p) {
+      const std::uint64_t list_end = p + 1 < pixels ? offsets[p + 1] : end;
+      const std::uint64_t count = list_end - offsets[p];
+      if (count == 2) {
+        sort_two(fragments[offsets[p]], fragments[offsets[p] + 1]);
+      } else if (count > 2) {
+        sort_fragments({fragments + offsets[p], count});
+      }
+    }
+  }
 }
 
 }  // namespace pellucid::raster

@@ -1,11 +1,16 @@
-// spans.h - horizontal runs of fragments, sorted into bands of picture rows.
+// Converts triangles to spans, which are horizontal runs of fragments, and spans to lists of fragments per
+// pixel in depth order. In: projected vertices. Out: the offsets and fragments of a FragmentBuffer.
 //
-// A triangle becomes one span per row; a band is a few rows that fit the processor's cache with all their
-// fragments, and the unit of parallel work for the lists (fragment_lists.h).
+// A triangle becomes one span per row. A band is a few rows of the image that fit into the cache of the
+// processor with all their fragments. Bands are the unit of parallel work for the lists: the fragments of
+// every pixel are counted, the counts are summed up, the lists are filled and then sorted. The keys (depth,
+// node) are unique within a pixel, so the result does not depend on the order of the spans.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "raster/coverage.h"
@@ -13,17 +18,20 @@
 
 namespace pellucid::raster {
 
+// ---------------------------------------------------------------------------------------- triangles to spans
+
+// A horizontal run of fragments of one triangle.
 struct Span {
-  double depth, step;          // at the first pixel's centre and per pixel
-  float min_depth, max_depth;  // of the triangle: what lies outside is rounded
+  double depth, step;          // at the centre of the first pixel, and per pixel
+  float min_depth, max_depth;  // of the triangle; depths are clamped to this range
   std::uint32_t node;
-  std::uint32_t x, y;  // first pixel; y counts from the band's first row
+  std::uint32_t x, y;  // first pixel; y counts from the first row of the band
   std::uint32_t count;
 };
 
-// How a picture is cut into bands.
+// The division of an image into bands.
 struct Bands {
-  Bands(std::uint32_t picture_width, std::uint32_t picture_height);
+  Bands(std::uint32_t image_width, std::uint32_t image_height);
 
   [[nodiscard]] std::uint32_t band_of(std::uint32_t y) const { return y >> row_shift; }
   [[nodiscard]] std::uint32_t first_row(std::uint32_t band) const { return band << row_shift; }
@@ -34,10 +42,10 @@ struct Bands {
   std::uint32_t count = 0;
 };
 
-// The spans of one part of the mesh, by band.
+// The spans of one part of the mesh, sorted by band.
 class BandedSpans {
  public:
-  // Forget the spans, keep the memory.
+  // Removes the spans and keeps the memory.
   void reset(const Bands& bands);
   void add(std::uint32_t y, Span span) {
     span.y = y & row_mask_;
@@ -57,15 +65,16 @@ class BandedSpans {
   std::uint32_t row_shift_ = 0, row_mask_ = 0;
 };
 
-// Turns triangles into spans. Collects small triangles and covers them in batches.
+// Converts triangles to spans. Collects small triangles and processes them in batches.
 class SpanMaker {
  public:
   SpanMaker(const Projection& projection, Culling culling, BandedSpans& spans);
-  // Triangles `first` .. `last` - 1 of the mesh, whose vertices have been projected. Finishes its batch.
+  // Adds the triangles `first` .. `last` - 1 of a mesh, whose vertices have been projected. Finishes the
+  // batch.
   void add(const Mesh& mesh, std::span<const ScreenVertex> vertices, std::size_t first, std::size_t last);
 
  private:
-  // How depth runs over a triangle, and whose fragments they are.
+  // The depth over a triangle, and its node.
   struct Surface {
     double depth, gradient_x, gradient_y;  // at the centre of the box's first pixel
     float min_depth, max_depth;
@@ -90,5 +99,18 @@ class SpanMaker {
   std::array<Surface, kBatch> surfaces_;
   std::array<SmallRow, kBatch * kSmallExtent> rows_;
 };
+
+// ----------------------------------------------------------------------------------- spans to fragment lists
+
+// Sorts fragments by (depth, node). Depths must not be negative. Fastest for lists of at most four fragments.
+void sort_fragments(std::span<Fragment> list);
+
+// Returns the number of fragments of one band in all parts.
+std::uint64_t count_fragments(std::span<const BandedSpans> parts, std::uint32_t band);
+
+// Writes the offsets and fragments of one band. `first` is the index of its first fragment. `counters` is
+// working memory.
+void fill_band(const Bands& bands, std::uint32_t band, std::span<const BandedSpans> parts,
+               std::uint64_t first, std::vector<std::int32_t>& counters, FragmentBuffer& out);
 
 }  // namespace pellucid::raster

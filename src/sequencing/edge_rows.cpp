@@ -1,5 +1,8 @@
-// Rows of edges, kept compactly: see edge_rows.h.
+// Implements the compact form of edges, and the cycles of graphs in rows.
 #include "sequencing/edge_rows.h"
+
+#include <algorithm>
+#include <limits>
 
 namespace pellucid {
 
@@ -13,7 +16,7 @@ CompactRows::CompactRows(const EdgeRows& rows) : edge_count_(rows.edge_count()) 
     for (std::uint32_t i = rows.offsets[front]; i < rows.offsets[front + 1]; ++i) {
       NodeId distance = rows.backs[i] - previous;
       for (; distance > kMask; distance -= kMask) words_.push_back(kMask);
-      // To the nearest: areas are far from the largest and the smallest floats.
+      // Round to the nearest. Areas are far from the largest and the smallest floats.
       const std::uint32_t rounded = std::bit_cast<std::uint32_t>(rows.weights[i]) + (kMask + 1) / 2;
       words_.push_back((rounded & ~kMask) | distance);
       previous = rows.backs[i];
@@ -57,7 +60,76 @@ EdgeRows CompactRows::expanded() const {
 void CompactRows::move_to(const std::shared_ptr<SpillFile>& file) {
   file_position_ = file->append(words_);
   file_ = file;
-  words_ = std::vector<std::uint32_t>();  // assigning {} would keep the memory
+  words_ = std::vector<std::uint32_t>();  // assigning {} would not free the memory
+}
+
+// ---------------------------------------------------------------------------------------------------- cycles
+
+bool has_cycle(std::span<const std::uint32_t> offsets, std::span<const std::uint32_t> targets) {
+  if (offsets.empty()) return false;
+  const std::size_t count = offsets.size() - 1;
+  std::vector<std::uint32_t> waiting_for(count, 0);
+  for (const std::uint32_t target : targets) ++waiting_for[target];
+  std::vector<std::uint32_t> free;
+  for (std::uint32_t node = 0; node < count; ++node) {
+    if (waiting_for[node] == 0) free.push_back(node);
+  }
+  std::size_t freed = 0;
+  while (!free.empty()) {
+    const std::uint32_t node = free.back();
+    free.pop_back();
+    ++freed;
+    for (std::uint32_t i = offsets[node]; i < offsets[node + 1]; ++i) {
+      if (--waiting_for[targets[i]] == 0) free.push_back(targets[i]);
+    }
+  }
+  return freed < count;
+}
+
+std::vector<std::uint32_t> strong_components(std::span<const std::uint32_t> offsets,
+                                             std::span<const std::uint32_t> targets) {
+  constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+  const std::size_t count = offsets.empty() ? 0 : offsets.size() - 1;
+  std::vector<std::uint32_t> component(count, kNew);
+  std::vector<std::uint32_t> index(count, kNew);
+  std::vector<std::uint32_t> low(count, 0);
+  std::vector<std::uint32_t> open;  // visited, component not known yet
+  struct Visit {
+    std::uint32_t node, next_edge;
+  };
+  std::vector<Visit> path;
+  std::uint32_t visited = 0;
+  std::uint32_t components = 0;
+  for (std::uint32_t root = 0; root < count; ++root) {
+    if (index[root] != kNew) continue;
+    path.push_back({root, offsets[root]});
+    while (!path.empty()) {
+      const std::uint32_t node = path.back().node;
+      if (index[node] == kNew) {
+        index[node] = low[node] = visited++;
+        open.push_back(node);
+      }
+      std::uint32_t& edge = path.back().next_edge;
+      if (edge < offsets[node + 1]) {
+        const std::uint32_t target = targets[edge++];
+        if (index[target] == kNew) {
+          path.push_back({target, offsets[target]});
+        } else if (component[target] == kNew) {
+          low[node] = std::min(low[node], index[target]);
+        }
+        continue;
+      }
+      path.pop_back();
+      if (!path.empty()) low[path.back().node] = std::min(low[path.back().node], low[node]);
+      if (low[node] != index[node]) continue;
+      while (component[node] == kNew) {
+        component[open.back()] = components;
+        open.pop_back();
+      }
+      ++components;
+    }
+  }
+  return component;
 }
 
 }  // namespace pellucid

@@ -1,44 +1,51 @@
-// Local search for the vertex cache: see gather_visits.h.
-#include "sequencing/gather_visits.h"
-
+// Implements a local search for the vertex cache: nodes move, within their constraints, to places where their
+// vertices are in the cache anyway.
+//
+// A *visit* of a vertex is a run of its uses that one miss pays for. The search reduces the number of visits.
+// Each node in turn moves to the visit of one of its vertices where this saves most, alone or together with a
+// small group of dependent nodes that must stay on one side of it. A use counts more in a long visit than in
+// a short one, so that visits that cannot vanish at once shrink step by step. In this way the flipped copies
+// of a patch come to be next to it.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "sequencing/cache_order.h"
 #include "sequencing/fifo_cache.h"
-#include "sequencing/vertex_nodes.h"
 
 namespace pellucid {
 namespace {
 
-// The FIFO holds `cache_size` vertices, but a node that joins a visit may push others out: count on less.
+// The share of the cache size that the search relies on, because a node that joins a visit may push other
+// vertices out.
 constexpr double kTrustedShare = 0.9;
-// What a use saves by company, misses: a visit of n uses is worth kCompany * n^1.5.
-constexpr double kCompany = 0.03;
-// Vertices with more uses are left out: they are few, and fans would make the search quadratic.
+// The bonus of long visits, in misses: a visit of n uses counts as 1 - kVisitBonus * n^1.5.
+constexpr double kVisitBonus = 0.03;
+// Vertices with more uses are ignored. They are few, and large fans would make the search quadratic.
 constexpr std::size_t kMostUsesCounted = 64;
-// Nodes that may move together.
-constexpr std::size_t kMostCompanions = 12;
-// A move must save this much, misses; moving others out of the way must promise more to be tried.
+// The largest number of nodes that move together.
+constexpr std::size_t kLargestGroup = 12;
+// The least number of misses that a move must save, and by how much a place that needs a group move must be
+// better than the best other place.
 constexpr double kLeastGain = 1e-6;
-constexpr double kWorthDragging = 0.1;
+constexpr double kLeastGroupAdvantage = 0.1;
 constexpr std::uint32_t kMostSweeps = 8;
-// Stop when a sweep moves fewer than one node in so many.
-constexpr std::size_t kStillness = 200;
+// The search stops after a sweep that moves fewer than one node in this many.
+constexpr std::size_t kFewMoves = 200;
 
-// Returns the misses of a sequence, and writes the miss count after each of its nodes to `clocks`.
-std::uint64_t count_misses_by_node(const Mesh& mesh, const NodeSequence& sequence, std::uint32_t cache_size,
+// Returns the misses of an order, and writes the number of misses after each of its nodes to `clocks`.
+std::uint64_t count_misses_by_node(const Mesh& mesh, const NodeSequence& order, std::uint32_t cache_size,
                                    std::vector<std::uint32_t>& clocks) {
   FifoCache cache(mesh.positions.size(), cache_size);
-  for (const NodeId node : sequence) {
+  for (const NodeId node : order) {
     cache.draw(corners_of(mesh, node));
     clocks[node] = static_cast<std::uint32_t>(cache.misses());
   }
   return cache.misses();
 }
 
-SequenceConstraints reversed(const SequenceConstraints& constraints) {
-  SequenceConstraints reverse;
+OrderConstraints reversed(const OrderConstraints& constraints) {
+  OrderConstraints reverse;
   reverse.offsets.assign(constraints.offsets.size(), 0);
   for (const NodeId follower : constraints.followers) ++reverse.offsets[follower + 1];
   for (std::size_t i = 1; i < reverse.offsets.size(); ++i) reverse.offsets[i] += reverse.offsets[i - 1];
@@ -50,66 +57,66 @@ SequenceConstraints reversed(const SequenceConstraints& constraints) {
   return reverse;
 }
 
-std::vector<std::uint8_t> nodes_in(const NodeSequence& sequence, std::size_t node_count) {
+std::vector<std::uint8_t> nodes_in(const NodeSequence& order, std::size_t node_count) {
   std::vector<std::uint8_t> drawn(node_count, 0);
-  for (const NodeId node : sequence) drawn[node] = 1;
+  for (const NodeId node : order) drawn[node] = 1;
   return drawn;
 }
 
 class VisitSearch {
  public:
-  VisitSearch(const Mesh& mesh, const SequenceConstraints& constraints, NodeSequence sequence,
+  VisitSearch(const Mesh& mesh, const OrderConstraints& constraints, NodeSequence order,
               std::uint32_t cache_size)
       : mesh_(mesh),
         later_(constraints),
         earlier_(reversed(constraints)),
         cache_size_(cache_size),
         reach_(std::max(1U, static_cast<std::uint32_t>(kTrustedShare * cache_size))),
-        sequence_(std::move(sequence)),
-        around_(mesh, nodes_in(sequence_, 2 * mesh.triangles.size())),
+        order_(std::move(order)),
+        around_(mesh, nodes_in(order_, 2 * mesh.triangles.size())),
         clocks_(2 * mesh.triangles.size(), 0),
         keys_(clocks_.size(), 0),
         previous_(clocks_.size(), kNone),
         next_(clocks_.size(), kNone),
         stamps_(clocks_.size(), 0),
         unsettled_(clocks_.size(), 1) {
-    for (std::size_t n = 0; n < company_.size(); ++n) {
-      company_[n] = kCompany * static_cast<double>(n) * std::sqrt(static_cast<double>(n));
+    for (std::size_t n = 0; n < visit_bonus_.size(); ++n) {
+      visit_bonus_[n] = kVisitBonus * static_cast<double>(n) * std::sqrt(static_cast<double>(n));
     }
   }
 
   NodeSequence run(const Progress* progress) {
-    NodeSequence best = sequence_;
-    std::uint64_t least = count_misses_by_node(mesh_, sequence_, cache_size_, clocks_);
+    NodeSequence best = order_;
+    std::uint64_t least = count_misses_by_node(mesh_, order_, cache_size_, clocks_);
     for (std::uint32_t i = 0; i < kMostSweeps; ++i) {
       stop_if_requested(progress);
       const std::size_t moved = sweep();
-      const std::uint64_t misses = count_misses_by_node(mesh_, sequence_, cache_size_, clocks_);
+      const std::uint64_t misses = count_misses_by_node(mesh_, order_, cache_size_, clocks_);
       if (misses < least) {
         least = misses;
-        best = sequence_;
+        best = order_;
       }
-      if (moved * kStillness < sequence_.size()) break;
+      if (moved * kFewMoves < order_.size()) break;
     }
     return best;
   }
 
  private:
   static constexpr NodeId kNone = 0xFFFFFFFFU;
-  static constexpr std::uint64_t kGap = std::uint64_t{1} << 32U;  // between the keys of neighbours at first
+  static constexpr std::uint64_t kGap = std::uint64_t{1} << 32U;  // initially between the keys of neighbours
 
   [[nodiscard]] const Triangle& corners(NodeId node) const { return mesh_.triangles[triangle_of(node)]; }
   [[nodiscard]] bool counts(std::uint32_t vertex) const {
     return around_.of(vertex).size() <= kMostUsesCounted;
   }
 
-  // ------------------------------------------------------------------------------ the sequence as a list
+  // ------------------------------------------------------------------------------ the order as a list
 
   void make_list() {
     first_ = kNone;
     NodeId last = kNone;
     std::uint64_t key = kGap;
-    for (const NodeId node : sequence_) {
+    for (const NodeId node : order_) {
       keys_[node] = key;
       key += kGap;
       previous_[node] = last;
@@ -120,12 +127,12 @@ class VisitSearch {
   }
 
   void read_list() {
-    sequence_.clear();
-    for (NodeId node = first_; node != kNone; node = next_[node]) sequence_.push_back(node);
+    order_.clear();
+    for (NodeId node = first_; node != kNone; node = next_[node]) order_.push_back(node);
   }
 
-  // Keys that are free after a node.
-  [[nodiscard]] std::uint64_t room_after(NodeId node) const {
+  // Returns the number of unused keys after a node.
+  [[nodiscard]] std::uint64_t gap_after(NodeId node) const {
     return next_[node] == kNone ? kGap : keys_[next_[node]] - keys_[node];
   }
 
@@ -137,7 +144,7 @@ class VisitSearch {
   }
 
   void link_after(NodeId node, NodeId place) {
-    keys_[node] = keys_[place] + room_after(place) / 2;
+    keys_[node] = keys_[place] + gap_after(place) / 2;
     next_[node] = next_[place];
     previous_[node] = place;
     if (next_[place] != kNone) previous_[next_[place]] = node;
@@ -146,7 +153,8 @@ class VisitSearch {
 
   // -------------------------------------------------------------------------------------- what uses cost
 
-  // Clocks of the uses of a node's vertices by other nodes, ascending; none for a vertex that does not count.
+  // The clocks at which other nodes use the vertices of a node, ascending. Empty for a vertex with too many
+  // uses.
   struct OtherUses {
     std::array<std::array<std::uint32_t, kMostUsesCounted>, 3> clocks;
     std::array<std::size_t, 3> counts;
@@ -168,14 +176,14 @@ class VisitSearch {
     }
   }
 
-  // Visits of a vertex, company deducted, with one more use at `clock`.
+  // Returns the cost of the visits of a vertex with one more use at `clock`.
   [[nodiscard]] double visits(std::span<const std::uint32_t> others, std::uint32_t clock) const {
     double cost = 0;
     std::uint32_t begin = 0;
     std::size_t uses = 0;
     const auto use = [&](std::uint32_t at) {
       if (uses == 0 || at - begin >= reach_) {
-        cost += 1 - company_[uses];
+        cost += 1 - visit_bonus_[uses];
         begin = at;
         uses = 0;
       }
@@ -185,7 +193,7 @@ class VisitSearch {
     for (; i < others.size() && others[i] < clock; ++i) use(others[i]);
     use(clock);
     for (; i < others.size(); ++i) use(others[i]);
-    return cost - company_[uses];
+    return cost - visit_bonus_[uses];
   }
 
   [[nodiscard]] double cost_at(const OtherUses& uses, std::uint32_t clock) const {
@@ -197,8 +205,8 @@ class VisitSearch {
 
   // ------------------------------------------------------------------------------------------------ moves
 
-  // The keys between which a node may move: after all that must come earlier, before all that must come
-  // later.
+  // The keys between which a node may move: after all nodes that must come earlier and before all that must
+  // come later.
   struct Window {
     std::uint64_t after, before;
     [[nodiscard]] bool allows(std::uint64_t key) const { return key >= after && key < before; }
@@ -212,7 +220,7 @@ class VisitSearch {
     return window;
   }
 
-  // A place beside a node that shares a vertex.
+  // A place after a node that shares a vertex.
   struct Place {
     NodeId node = kNone;
     double cost = 0;
@@ -221,7 +229,7 @@ class VisitSearch {
   std::size_t sweep() {
     make_list();
     std::size_t moved = 0;
-    for (const NodeId node : sequence_) {
+    for (const NodeId node : order_) {
       if (unsettled_[node] == 0) continue;
       unsettled_[node] = 0;
       if (move_to_best_place(node)) ++moved;
@@ -236,7 +244,7 @@ class VisitSearch {
     const Window window = window_of(node);
     Place inside{kNone, cost_at(uses, clocks_[node]) - kLeastGain};
     Place outside = inside;
-    // Places of one clock cost the same: the first of each kind stands for them.
+    // Places with the same clock have the same cost, so try only the first one of each kind.
     tried_.clear();
     for (const std::uint32_t v : corners(node)) {
       if (!counts(v)) continue;
@@ -251,66 +259,69 @@ class VisitSearch {
         if (cost < best.cost) best = {other, cost};
       }
     }
-    if (outside.node != kNone && outside.cost < inside.cost - kWorthDragging && drag(node, outside.node)) {
+    if (outside.node != kNone && outside.cost < inside.cost - kLeastGroupAdvantage &&
+        move_group(node, outside.node)) {
       return true;
     }
-    if (inside.node == kNone || room_after(inside.node) < 2) return false;
+    if (inside.node == kNone || gap_after(inside.node) < 2) return false;
     unlink(node);
     link_after(node, inside.node);
-    settle_again(node, clocks_[inside.node]);
+    set_clock(node, clocks_[inside.node]);
     return true;
   }
 
-  // Move a node behind `place`, and with it all that is bound to stay on its side. False: too many, or no
-  // gain.
-  bool drag(NodeId node, NodeId place) {
-    if (!collect_companions(node, place)) return false;
-    if (room_after(place) >> companions_.size() < 2) return false;
-    // One after the other, so that later ones find the earlier ones there.
+  // Moves a node behind `place`, together with the dependent nodes between them. Returns false if these are
+  // too many or if the move gains nothing.
+  bool move_group(NodeId node, NodeId place) {
+    if (!collect_group(node, place)) return false;
+    if (gap_after(place) >> group_.size() < 2) return false;
+    // Evaluate one node after the other, so that later ones see the earlier ones at the new place.
     double gain = 0;
     OtherUses uses;
     before_.clear();
-    for (const NodeId companion : companions_) {
-      list_other_uses(companion, uses);
-      before_.push_back(clocks_[companion]);
-      gain += cost_at(uses, clocks_[companion]) - cost_at(uses, clocks_[place]);
-      clocks_[companion] = clocks_[place];
+    for (const NodeId member : group_) {
+      list_other_uses(member, uses);
+      before_.push_back(clocks_[member]);
+      gain += cost_at(uses, clocks_[member]) - cost_at(uses, clocks_[place]);
+      clocks_[member] = clocks_[place];
     }
-    for (std::size_t i = 0; i < companions_.size(); ++i) clocks_[companions_[i]] = before_[i];
+    for (std::size_t i = 0; i < group_.size(); ++i) clocks_[group_[i]] = before_[i];
     if (gain < kLeastGain) return false;
 
-    std::sort(companions_.begin(), companions_.end(),
+    std::sort(group_.begin(), group_.end(),
               [&](NodeId a, NodeId b) { return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b; });
     NodeId last = place;
-    for (const NodeId companion : companions_) {
-      unlink(companion);
-      link_after(companion, last);
-      settle_again(companion, clocks_[place]);
-      last = companion;
+    for (const NodeId member : group_) {
+      unlink(member);
+      link_after(member, last);
+      set_clock(member, clocks_[place]);
+      last = member;
     }
     return true;
   }
 
-  // The node and what stands between it and `place` and is bound to it, directly or through others.
-  bool collect_companions(NodeId node, NodeId place) {
+  // Collects the node and all nodes between it and `place` that depend on it, directly or through others.
+  // Returns false if they are too many.
+  bool collect_group(NodeId node, NodeId place) {
     const bool to_front = keys_[place] < keys_[node];
-    const SequenceConstraints& bound = to_front ? earlier_ : later_;
+    const OrderConstraints& bound = to_front ? earlier_ : later_;
     ++stamp_;
-    companions_.assign(1, node);
-    for (std::size_t i = 0; i < companions_.size(); ++i) {
-      for (const NodeId other : bound.followers_of(companions_[i])) {
+    group_.assign(1, node);
+    for (std::size_t i = 0; i < group_.size(); ++i) {
+      for (const NodeId other : bound.followers_of(group_[i])) {
         const bool in_the_way = to_front ? keys_[other] > keys_[place] : keys_[other] <= keys_[place];
         if (!in_the_way || stamps_[other] == stamp_) continue;
-        if (other == place || companions_.size() == kMostCompanions) return false;
+        if (other == place || group_.size() == kLargestGroup) return false;
         stamps_[other] = stamp_;
-        companions_.push_back(other);
+        group_.push_back(other);
       }
     }
     return true;
   }
 
-  // A node has a new clock: what shares a vertex with it may have a better place now.
-  void settle_again(NodeId node, std::uint32_t clock) {
+  // Sets the clock of a moved node. Nodes that share a vertex with it are visited again, because they may
+  // have better places now.
+  void set_clock(NodeId node, std::uint32_t clock) {
     clocks_[node] = clock;
     for (const std::uint32_t v : corners(node)) {
       if (!counts(v)) continue;
@@ -319,30 +330,30 @@ class VisitSearch {
   }
 
   const Mesh& mesh_;
-  const SequenceConstraints& later_;
-  SequenceConstraints earlier_;
+  const OrderConstraints& later_;
+  OrderConstraints earlier_;
   std::uint32_t cache_size_;
-  std::uint32_t reach_;  // misses that a vertex stays in the cache for
-  NodeSequence sequence_;
+  std::uint32_t reach_;  // the number of misses for which a vertex stays in the cache
+  NodeSequence order_;
   VertexNodes around_;
-  std::vector<std::uint32_t> clocks_;  // misses so far, when a node has been drawn
+  std::vector<std::uint32_t> clocks_;  // per node: the number of misses after it has been drawn
   std::vector<std::uint64_t> keys_;    // ascending along the list
   std::vector<NodeId> previous_, next_;
   NodeId first_ = kNone;
   std::vector<std::uint32_t> stamps_;
   std::uint32_t stamp_ = 0;
-  std::vector<std::uint8_t> unsettled_;  // nodes to look at in the next sweep
-  std::array<double, kMostUsesCounted + 1> company_{};
+  std::vector<std::uint8_t> unsettled_;  // nodes to visit in the next sweep
+  std::array<double, kMostUsesCounted + 1> visit_bonus_{};
   std::vector<std::uint64_t> tried_;
-  std::vector<NodeId> companions_;
+  std::vector<NodeId> group_;
   std::vector<std::uint32_t> before_;
 };
 
 }  // namespace
 
-NodeSequence gather_visits(const Mesh& mesh, const SequenceConstraints& constraints, NodeSequence sequence,
+NodeSequence gather_visits(const Mesh& mesh, const OrderConstraints& constraints, NodeSequence order,
                            std::uint32_t cache_size, const Progress* progress) {
-  return VisitSearch(mesh, constraints, std::move(sequence), cache_size).run(progress);
+  return VisitSearch(mesh, constraints, std::move(order), cache_size).run(progress);
 }
 
 }  // namespace pellucid

@@ -1,4 +1,4 @@
-// k orders for many cells: see k_orders.h.
+// Implements k-means clustering over orders.
 #include "sequencing/k_orders.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 namespace pellucid {
 namespace {
 
-// Give every cell its cheapest order; a tie keeps the cell where it is.
+// Assigns every cell to its cheapest order. A cell stays in its cluster if there is a tie.
 void reassign_cells(const std::vector<double>& table, Clustering& clustering) {
   const std::uint32_t orders = clustering.cluster_count();
   clustering.cost = 0;
@@ -21,7 +21,7 @@ void reassign_cells(const std::vector<double>& table, Clustering& clustering) {
   }
 }
 
-// An order that no cell uses is of no use: restart it from the cell that suffers most.
+// Restarts every order that no cell uses with the cell of the highest cost.
 void reseed_empty_clusters(const std::vector<double>& table, Clustering& clustering) {
   const std::uint32_t orders = clustering.cluster_count();
   for (std::uint32_t cluster = 0; cluster < orders; ++cluster) {
@@ -43,7 +43,7 @@ void reseed_empty_clusters(const std::vector<double>& table, Clustering& cluster
   }
 }
 
-// Which clusters gained or lost a cell.
+// Returns a flag per cluster: whether it gained or lost a cell.
 std::vector<std::uint8_t> changed_clusters(const std::vector<std::uint32_t>& before,
                                            const std::vector<std::uint32_t>& after,
                                            std::uint32_t cluster_count) {
@@ -86,7 +86,7 @@ KOrders improve_orders(const OrderCosts& costs, Clustering start, const KOrdersO
   std::vector<double> table = costs.table(current.ranks);
   reassign_cells(table, current);
   KOrders best{current, table};
-  std::vector<std::uint32_t> ordered_for;  // the clusters that the orders were last made for
+  std::vector<std::uint32_t> ordered_for;  // the clusters for which the orders were last made
   bool last = false;
   for (std::uint32_t round = 0; !last && best.clustering.cost > 0; ++round) {
     const double before = best.clustering.cost;
@@ -101,7 +101,7 @@ KOrders improve_orders(const OrderCosts& costs, Clustering start, const KOrdersO
     reassign_cells(table, current);
     current.rounds = round + 1;
     if (current.cost < best.clustering.cost) best = {current, table};
-    // Rounds that gain little end the search, after one that leaves nothing out if there was none yet.
+    // End the search after a round that gains little, but run an exact last round first if there was none.
     if (!last && before - best.clustering.cost <= options.least_gain * before) {
       if (!costs.approximate) break;
       round = std::max(round, options.rounds - 2);
@@ -114,7 +114,8 @@ KOrders improve_orders(const OrderCosts& costs, Clustering start, const KOrdersO
 std::vector<Vec3d> spread_directions(std::uint32_t count, Random& random) {
   std::vector<Vec3d> chosen{random.direction()};
   while (chosen.size() < count) {
-    // Of some random candidates, take the one farthest from those chosen (Mitchell's best candidate).
+    // Of some random candidates, take the one farthest from those chosen so far (Mitchell, "Spectrally
+    // optimal sampling for distribution ray tracing", SIGGRAPH 1991).
     Vec3d best{};
     double best_nearness = std::numeric_limits<double>::infinity();
     for (int trial = 0; trial < 200; ++trial) {

@@ -1,37 +1,41 @@
-// List scheduling for the vertex cache: see list_schedule.h.
-#include "sequencing/list_schedule.h"
-
+// Implements list scheduling for the vertex cache: of all nodes that may be drawn next, it draws the one with
+// the best score.
+//
+// After: list scheduling of instructions under register pressure, with a score as in Forsyth, "Linear-Speed
+// Vertex Cache Optimisation", 2006. Differs in: a simulated first-in first-out cache, a set of ready nodes,
+// and the height of a node, which is the longest chain of followers that wait for it.
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <queue>
+#include <utility>
 
-#include "sequencing/vertex_nodes.h"
+#include "sequencing/cache_order.h"
 
 namespace pellucid {
 namespace {
 
 // Weights of the score, from a random search over the constraints of six meshes (docs/in-depth-buffers.md).
-constexpr double kFree = 100;          // no miss: before all others
-constexpr double kMiss = -0.86;        // for each vertex that is not in the cache
-constexpr double kFewUsesLeft = 1.34;  // over the root of a vertex's undrawn nodes: finish what is begun
-constexpr double kAge = 0.5;           // of its oldest cached vertex, 1: about to leave
-constexpr double kHeight = 0.86;       // longest chain of followers, 1: the longest of all
-// Vertices that more nodes use do not propose candidates: fans would make the search quadratic.
+constexpr double kFree = 100;    // for a node without misses, which comes before all others
+constexpr double kMiss = -0.86;  // for each vertex that is not in the cache
+constexpr double kFewUsesLeft =
+    1.34;                         // over the root of the undrawn nodes of a vertex, to finish vertices early
+constexpr double kAge = 0.5;      // for the age of the oldest cached vertex; 1: about to leave the cache
+constexpr double kHeight = 0.86;  // for the longest chain of followers; 1: the longest of all nodes
+// Vertices with more nodes do not propose candidates, because large fans would make the search quadratic.
 constexpr std::size_t kMostUsesToPropose = 64;
 
 class ListScheduler {
  public:
-  ListScheduler(const Mesh& mesh, const SequenceConstraints& constraints,
-                std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> drawn,
-                std::uint32_t cache_size)
+  ListScheduler(const Mesh& mesh, const OrderConstraints& constraints, std::span<const std::uint32_t> ranks,
+                std::span<const std::uint8_t> drawn, std::uint32_t cache_size)
       : mesh_(mesh),
         constraints_(constraints),
         ranks_(ranks),
         cache_size_(cache_size),
         around_(mesh, drawn),
         blockers_(drawn.size(), 0),
-        heights_(heights(rank_sequence(ranks, drawn))),
+        heights_(heights(order_by_rank(ranks, drawn))),
         states_(drawn.size(), State::blocked),
         leaves_at_(mesh.positions.size(), 0),
         undrawn_around_(mesh.positions.size(), 0),
@@ -46,7 +50,7 @@ class ListScheduler {
 
   NodeSequence run() {
     for (NodeId node = next(); node != kNone; node = next()) draw(node);
-    return std::move(sequence_);
+    return std::move(order_);
   }
 
  private:
@@ -56,7 +60,7 @@ class ListScheduler {
   [[nodiscard]] const Triangle& corners(NodeId node) const { return mesh_.triangles[triangle_of(node)]; }
   [[nodiscard]] bool cached(std::uint32_t vertex) const { return misses_ < leaves_at_[vertex]; }
 
-  // Length of the longest chain of followers, 0 .. 1.
+  // Returns the length of the longest chain of followers of every node, relative to the longest of all.
   [[nodiscard]] std::vector<float> heights(const NodeSequence& topological) const {
     std::vector<std::uint32_t> lengths(blockers_.size(), 0);
     std::uint32_t longest = 1;
@@ -82,7 +86,7 @@ class ListScheduler {
 
   void draw(NodeId node) {
     states_[node] = State::done;
-    sequence_.push_back(node);
+    order_.push_back(node);
     for (const std::uint32_t v : corners_of(mesh_, node)) {
       --ready_around_[v];
       --undrawn_around_[v];
@@ -96,7 +100,7 @@ class ListScheduler {
     }
   }
 
-  // The best ready node around a cached vertex, else the ready node of least rank.
+  // Returns the best ready node around a cached vertex, or else the ready node of least rank.
   NodeId next() {
     NodeId best = kNone;
     double best_score = 0;
@@ -141,25 +145,25 @@ class ListScheduler {
   }
 
   const Mesh& mesh_;
-  const SequenceConstraints& constraints_;
+  const OrderConstraints& constraints_;
   std::span<const std::uint32_t> ranks_;
   std::uint64_t cache_size_;
   VertexNodes around_;
-  std::vector<std::uint32_t> blockers_;  // predecessors not yet drawn, per node
+  std::vector<std::uint32_t> blockers_;  // per node: predecessors that are not yet drawn
   std::vector<float> heights_;
   std::vector<State> states_;
-  std::vector<std::uint64_t> leaves_at_;  // the miss count at which a vertex leaves the cache
+  std::vector<std::uint64_t> leaves_at_;  // per vertex: the number of misses at which it leaves the cache
   std::vector<std::uint32_t> undrawn_around_, ready_around_;
   std::vector<std::uint32_t> entered_;  // vertices in the order of their misses
   using RankedNode = std::pair<std::uint32_t, NodeId>;
   std::priority_queue<RankedNode, std::vector<RankedNode>, std::greater<>> ready_by_rank_;
   std::uint64_t misses_ = 0;
-  NodeSequence sequence_;
+  NodeSequence order_;
 };
 
 }  // namespace
 
-NodeSequence list_schedule(const Mesh& mesh, const SequenceConstraints& constraints,
+NodeSequence list_schedule(const Mesh& mesh, const OrderConstraints& constraints,
                            std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> drawn,
                            std::uint32_t cache_size) {
   return ListScheduler(mesh, constraints, ranks, drawn, cache_size).run();

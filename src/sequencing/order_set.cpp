@@ -1,5 +1,5 @@
-// Order sets: selection, ranks, index buffers, and orders of a clean mesh carried over to its source mesh.
-// See pellucid/sequencing.h.
+// Implements the order sets of pellucid/sequencing.h: selection, ranks, index buffers, and the conversion of
+// orders between a clean mesh and its source mesh.
 #include <algorithm>
 #include <limits>
 
@@ -15,36 +15,37 @@ std::uint32_t cell_of(const PartitionSpec& spec, const Vec3d& direction) {
   return pellucid_find_triangle(spec.level, d);
 }
 
-constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kRemoved = std::numeric_limits<std::uint32_t>::max();
 
-// Where patches begin once the triangles without a new number are gone; patches that are gone, too, are none.
-std::vector<std::uint32_t> kept_offsets(const OrderSet& orders, std::span<const std::uint32_t> new_number) {
+// Returns the patch offsets after triangles without a new index have been removed. Patches that become empty
+// are removed, too.
+std::vector<std::uint32_t> kept_offsets(const OrderSet& orders, std::span<const std::uint32_t> new_index) {
   std::vector<std::uint32_t> kept;
   std::uint32_t count = 0;
-  std::size_t next = 0;  // of the base sequence
+  std::size_t next = 0;  // position in the base sequence
   for (const std::uint32_t offset : orders.patch_offsets) {
-    for (; next < offset; ++next) count += new_number[orders.base_sequence[next]] == kLeftOut ? 0U : 1U;
+    for (; next < offset; ++next) count += new_index[orders.base_sequence[next]] == kRemoved ? 0U : 1U;
     if (kept.empty() || kept.back() != count) kept.push_back(count);
   }
   return kept;
 }
 
-// Renumber triangles; those without a new number are left out.
-OrderSet renumbered(OrderSet orders, std::span<const std::uint32_t> new_number) {
+// Renumbers the triangles and removes those without a new index.
+OrderSet renumbered(OrderSet orders, std::span<const std::uint32_t> new_index) {
   for (NodeSequence& order : orders.orders) {
     NodeSequence kept;
     kept.reserve(order.size());
     for (const NodeId node : order) {
-      const std::uint32_t triangle = new_number[triangle_of(node)];
-      if (triangle != kLeftOut) kept.push_back(node_of(triangle, is_flipped(node)));
+      const std::uint32_t triangle = new_index[triangle_of(node)];
+      if (triangle != kRemoved) kept.push_back(node_of(triangle, is_flipped(node)));
     }
     order = std::move(kept);
   }
-  orders.patch_offsets = kept_offsets(orders, new_number);
+  orders.patch_offsets = kept_offsets(orders, new_index);
   std::vector<std::uint32_t> base;
   base.reserve(orders.base_sequence.size());
   for (const std::uint32_t triangle : orders.base_sequence) {
-    if (new_number[triangle] != kLeftOut) base.push_back(new_number[triangle]);
+    if (new_index[triangle] != kRemoved) base.push_back(new_index[triangle]);
   }
   orders.base_sequence = std::move(base);
   return orders;
@@ -78,16 +79,16 @@ std::uint32_t select_order_at(const OrderSet& set, std::size_t animation, double
   return select_order(set, animation, key_frame, eye - table.spheres[key_frame].center);
 }
 
-std::vector<std::uint32_t> ranks_of(std::span<const NodeId> sequence, std::uint64_t triangle_count) {
+std::vector<std::uint32_t> ranks_of(std::span<const NodeId> order, std::uint64_t triangle_count) {
   std::vector<std::uint32_t> ranks(2 * triangle_count, kNoRank);
-  for (std::uint32_t rank = 0; rank < sequence.size(); ++rank) ranks[sequence[rank]] = rank;
+  for (std::uint32_t rank = 0; rank < order.size(); ++rank) ranks[order[rank]] = rank;
   return ranks;
 }
 
-std::vector<std::uint32_t> index_buffer(const Mesh& mesh, std::span<const NodeId> sequence) {
+std::vector<std::uint32_t> index_buffer(const Mesh& mesh, std::span<const NodeId> order) {
   std::vector<std::uint32_t> indices;
-  indices.reserve(3 * sequence.size());
-  for (const NodeId node : sequence) {
+  indices.reserve(3 * order.size());
+  for (const NodeId node : order) {
     for (const std::uint32_t corner : corners_of(mesh, node)) indices.push_back(corner);
   }
   return indices;
@@ -99,9 +100,9 @@ OrderSet lift_orders(OrderSet orders, std::span<const std::uint32_t> source) {
 
 OrderSet restrict_orders(OrderSet orders, std::span<const std::uint32_t> source,
                          std::uint64_t source_triangles) {
-  std::vector<std::uint32_t> new_number(source_triangles, kLeftOut);
-  for (std::uint32_t t = 0; t < source.size(); ++t) new_number[source[t]] = t;
-  return renumbered(std::move(orders), new_number);
+  std::vector<std::uint32_t> new_index(source_triangles, kRemoved);
+  for (std::uint32_t t = 0; t < source.size(); ++t) new_index[source[t]] = t;
+  return renumbered(std::move(orders), new_index);
 }
 
 }  // namespace pellucid

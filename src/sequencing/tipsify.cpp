@@ -1,17 +1,19 @@
-// Tipsify under constraints: see tipsify.h.
-#include "sequencing/tipsify.h"
-
+// Implements tipsify under constraints: only nodes all of whose predecessors are drawn may be drawn.
+//
+// Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 4, after Sander,
+// Nehab, Barczak, "Fast Triangle Reordering for Vertex Locality and Reduced Overdraw", SIGGRAPH 2007.
 #include <functional>
 #include <queue>
+#include <utility>
 
-#include "sequencing/vertex_nodes.h"
+#include "sequencing/cache_order.h"
 
 namespace pellucid {
 namespace {
 
 class Tipsifier {
  public:
-  Tipsifier(const Mesh& mesh, const SequenceConstraints& constraints, std::span<const std::uint32_t> ranks,
+  Tipsifier(const Mesh& mesh, const OrderConstraints& constraints, std::span<const std::uint32_t> ranks,
             std::span<const std::uint8_t> drawn, std::uint32_t cache_size)
       : mesh_(mesh),
         constraints_(constraints),
@@ -32,7 +34,7 @@ class Tipsifier {
   NodeSequence run() {
     for (std::uint32_t vertex = next_after_dead_end(); vertex != kNoVertex; vertex = next_vertex())
       fan(vertex);
-    return std::move(sequence_);
+    return std::move(order_);
   }
 
  private:
@@ -43,7 +45,7 @@ class Tipsifier {
     ready_by_rank_.push({ranks_[node], node});
   }
 
-  // Draw everything ready around a vertex; drawing one node may make the next one ready.
+  // Draws all ready nodes around a vertex. Drawing a node may make others ready.
   void fan(std::uint32_t vertex) {
     candidates_.clear();
     while (ready_around_[vertex] > 0) {
@@ -55,7 +57,7 @@ class Tipsifier {
 
   void emit(NodeId node) {
     emitted_[node] = 1;
-    sequence_.push_back(node);
+    order_.push_back(node);
     for (const std::uint32_t v : mesh_.triangles[triangle_of(node)]) {
       --ready_around_[v];
       candidates_.push_back(v);
@@ -68,7 +70,8 @@ class Tipsifier {
     }
   }
 
-  // Of the vertices just used, the one longest in the cache that will still be there after its fan.
+  // Returns the next vertex: of the vertices just used, the one longest in the cache that stays there while
+  // its nodes are drawn.
   std::uint32_t next_vertex() {
     std::uint32_t best = kNoVertex;
     std::uint64_t best_age = 0;
@@ -87,7 +90,8 @@ class Tipsifier {
     return best != kNoVertex ? best : next_after_dead_end();
   }
 
-  // The most recently used vertex with something ready around it, else the ready node of least rank.
+  // Returns the most recently used vertex with a ready node, or else a vertex of the ready node of least
+  // rank.
   std::uint32_t next_after_dead_end() {
     while (!recent_.empty()) {
       const std::uint32_t v = recent_.back();
@@ -103,24 +107,24 @@ class Tipsifier {
   }
 
   const Mesh& mesh_;
-  const SequenceConstraints& constraints_;
+  const OrderConstraints& constraints_;
   std::span<const std::uint32_t> ranks_;
   std::uint64_t cache_size_;
-  std::vector<std::uint32_t> predecessors_;  // not yet drawn, per node
+  std::vector<std::uint32_t> predecessors_;  // per node: predecessors that are not yet drawn
   std::vector<std::uint8_t> emitted_;
   VertexNodes around_;
-  std::vector<std::uint64_t> entered_;       // clock when the vertex last entered the cache
-  std::vector<std::uint32_t> ready_around_;  // ready nodes around a vertex, not yet drawn
+  std::vector<std::uint64_t> entered_;       // per vertex: the clock when it last entered the cache
+  std::vector<std::uint32_t> ready_around_;  // per vertex: ready nodes that are not yet drawn
   std::vector<std::uint32_t> candidates_, recent_;
   using RankedNode = std::pair<std::uint32_t, NodeId>;
   std::priority_queue<RankedNode, std::vector<RankedNode>, std::greater<>> ready_by_rank_;
   std::uint64_t clock_;
-  NodeSequence sequence_;
+  NodeSequence order_;
 };
 
 }  // namespace
 
-NodeSequence tipsify(const Mesh& mesh, const SequenceConstraints& constraints,
+NodeSequence tipsify(const Mesh& mesh, const OrderConstraints& constraints,
                      std::span<const std::uint32_t> ranks, std::span<const std::uint8_t> drawn,
                      std::uint32_t cache_size) {
   return Tipsifier(mesh, constraints, ranks, drawn, cache_size).run();

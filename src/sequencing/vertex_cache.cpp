@@ -1,8 +1,10 @@
-// Misses of a post-transform vertex cache: see pellucid/sequencing.h.
+// Implements the vertex-cache statistics of pellucid/sequencing.h: simulates a post-transform cache and
+// computes ACMR and ATVR.
 //
-// ACMR and ATVR as in Sander, Nehab, Barczak, "Fast Triangle Reordering for Vertex Locality and Reduced
-// Overdraw", SIGGRAPH 2007.
+// Definitions: Sander, Nehab, Barczak, "Fast Triangle Reordering for Vertex Locality and Reduced Overdraw",
+// SIGGRAPH 2007.
 #include <algorithm>
+#include <string>
 
 #include "pellucid/sequencing.h"
 #include "sequencing/fifo_cache.h"
@@ -17,7 +19,7 @@ std::uint64_t count_fifo_misses(std::span<const std::uint32_t> indices, std::uin
   return cache.misses();
 }
 
-// The least recently used vertex makes room.
+// Replaces the least recently used vertex.
 std::uint64_t count_lru_misses(std::span<const std::uint32_t> indices, std::uint32_t size) {
   std::vector<std::uint32_t> cache;  // most recent first
   cache.reserve(std::size_t{size} + 1);
@@ -39,15 +41,16 @@ void check_arguments(std::span<const std::uint32_t> indices, std::uint32_t verte
                      std::uint32_t cache_size) {
   if (cache_size < 3) {
     throw Error(ErrorKind::bad_argument,
-                "cache size " + std::to_string(cache_size) + ": at least 3 is needed");
+                "vertex cache of " + std::to_string(cache_size) + " vertices: use at least 3");
   }
   if (indices.size() % 3 != 0) {
-    throw Error(ErrorKind::bad_argument, std::to_string(indices.size()) + " indices are not whole triangles");
+    throw Error(ErrorKind::bad_argument,
+                std::to_string(indices.size()) + " indices: a triangle list needs a multiple of 3");
   }
   for (const std::uint32_t vertex : indices) {
     if (vertex < vertex_count) continue;
-    throw Error(ErrorKind::bad_argument,
-                "index " + std::to_string(vertex) + " of " + std::to_string(vertex_count) + " vertices");
+    throw Error(ErrorKind::bad_argument, "index " + std::to_string(vertex) + " is out of range: there are " +
+                                             std::to_string(vertex_count) + " vertices");
   }
 }
 
@@ -72,20 +75,20 @@ CacheStatistics simulate_vertex_cache(std::span<const std::uint32_t> indices, st
   return statistics;
 }
 
-BufferStatistics sequence_statistics(const Mesh& mesh, std::span<const NodeId> sequence, CacheModel model,
+BufferStatistics sequence_statistics(const Mesh& mesh, std::span<const NodeId> order, CacheModel model,
                                      std::uint32_t cache_size) {
   BufferStatistics statistics;
-  if (sequence.empty()) return statistics;
-  const std::vector<std::uint32_t> indices = index_buffer(mesh, sequence);
+  if (order.empty()) return statistics;
+  const std::vector<std::uint32_t> indices = index_buffer(mesh, order);
   const CacheStatistics cache =
       simulate_vertex_cache(indices, static_cast<std::uint32_t>(mesh.positions.size()), model, cache_size);
   std::vector<bool> seen(mesh.triangles.size(), false);
   std::uint64_t distinct = 0;
-  for (const NodeId node : sequence) {
+  for (const NodeId node : order) {
     if (!seen[triangle_of(node)]) ++distinct;
     seen[triangle_of(node)] = true;
   }
-  statistics.triangles = sequence.size();
+  statistics.triangles = order.size();
   statistics.misses = cache.misses;
   statistics.acmr = cache.acmr;
   statistics.acmr_drawn = static_cast<double>(cache.misses) / static_cast<double>(distinct);
@@ -96,8 +99,8 @@ std::vector<BufferStatistics> buffer_statistics(const Mesh& mesh, const OrderSet
                                                 std::uint32_t cache_size) {
   std::vector<BufferStatistics> statistics;
   statistics.reserve(orders.orders.size());
-  for (const NodeSequence& sequence : orders.orders) {
-    statistics.push_back(sequence_statistics(mesh, sequence, model, cache_size));
+  for (const NodeSequence& order : orders.orders) {
+    statistics.push_back(sequence_statistics(mesh, order, model, cache_size));
   }
   return statistics;
 }
@@ -115,16 +118,16 @@ BufferStatistics pooled(std::span<const BufferStatistics> buffers) {
   return sum;
 }
 
-std::uint64_t fifo_misses(const Mesh& mesh, const NodeSequence& sequence, std::uint32_t cache_size) {
+std::uint64_t fifo_misses(const Mesh& mesh, const NodeSequence& order, std::uint32_t cache_size) {
   FifoCache cache(mesh.positions.size(), cache_size);
-  for (const NodeId node : sequence) cache.draw(corners_of(mesh, node));
+  for (const NodeId node : order) cache.draw(corners_of(mesh, node));
   return cache.misses();
 }
 
-std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const std::uint32_t> sequence,
+std::uint64_t cache_misses(std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
                            std::uint32_t vertex_count, std::uint32_t cache_size) {
   FifoCache cache(vertex_count, cache_size);
-  for (const std::uint32_t triangle : sequence) cache.draw(triangles[triangle]);
+  for (const std::uint32_t triangle : order) cache.draw(triangles[triangle]);
   return cache.misses();
 }
 

@@ -36,7 +36,7 @@ std::vector<std::uint32_t> single_order(const OrderProblem& problem) {
   std::iota(all_cells.begin(), all_cells.end(), 0U);
   std::vector<std::uint32_t> ranks =
       ranks_by_key(depth_keys(*problem.mesh, problem.sphere, problem.partition, all_cells));
-  sift(net_wishes(stored_facings_only(sum_cells(problem.graph, all_cells))), {}, ranks);
+  sift(net_preferences(stored_facings_only(sum_cells(problem.graph, all_cells))), {}, ranks);
   return ranks;
 }
 

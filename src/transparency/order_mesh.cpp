@@ -10,8 +10,8 @@
 #include "pellucid/sequencing.h"
 #include "pellucid/shading.h"
 #include "pellucid/transparency.h"
-#include "sequencing/sequence.h"
-#include "sequencing/strong_components.h"
+#include "sequencing/cache_order.h"
+#include "sequencing/edge_rows.h"
 #include "transparency/base_sequence.h"
 #include "transparency/cluster/acyclic.h"
 #include "transparency/cluster/bounds.h"
@@ -69,6 +69,16 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
   if (!(options.cache_slack >= 0)) refuse("the slack of the vertex cache must not be negative");
   if (options.cache_size > 0 && options.cache_size < 3) refuse("a vertex cache holds at least 3 vertices");
   if (!(options.tolerance <= 1)) refuse("the tolerance is in bounding radii and must not exceed 1");
+}
+
+// Returns the number of view cells whose own edges are cyclic.
+std::uint32_t count_cyclic_cells(const OcclusionGraph& graph) {
+  std::vector<std::uint8_t> cyclic(graph.cells.size(), 0);
+  parallel_loop(std::size_t{0}, graph.cells.size(), [&](std::size_t cell) {
+    const EdgeRows rows = graph.cells[cell].expanded();
+    cyclic[cell] = has_cycle(rows.offsets, rows.backs) ? 1 : 0;
+  });
+  return static_cast<std::uint32_t>(std::count(cyclic.begin(), cyclic.end(), 1));
 }
 
 // Which nodes some cell of a cluster can see, within the valid range of distances (never too few).
@@ -305,8 +315,8 @@ class Orderer {
     const std::vector<std::uint32_t>& ranks = clustering.ranks[c];
     const EdgeRows edges = sum_cells(problem.graph, cells);
     const double unavoidable = unavoidable_weight(edges, ranks);
-    if (options_.cache_size == 0) return {rank_sequence(ranks, drawn), unavoidable};
-    SequenceOptions sequence;
+    if (options_.cache_size == 0) return {order_by_rank(ranks, drawn), unavoidable};
+    CacheOrderOptions sequence;
     sequence.method = options_.cache_method;
     sequence.cache_size = options_.cache_size;
     sequence.progress = options_.progress;
@@ -314,7 +324,7 @@ class Orderer {
       sequence.least_binding = kLeastBindingWeight;
       sequence.slack = options_.cache_slack * static_cast<double>(cells.size());
     }
-    return {cache_aware_sequence(*problem.mesh, edges, ranks, drawn, sequence), unavoidable};
+    return {cache_aware_order(*problem.mesh, edges, ranks, drawn, sequence), unavoidable};
   }
 
   std::vector<NodeSequence> make_sequences(const OrderProblem& problem, const Clustering& clustering) {
@@ -375,7 +385,7 @@ class Orderer {
         return measure_order_error(mesh_, full.sphere, full.partition, cluster_of, ranks, validation);
       }));
     }
-    SequenceOptions sequence;
+    CacheOrderOptions sequence;
     sequence.method = options_.cache_method;
     sequence.cache_size = options_.cache_size;
     sequence.progress = options_.progress;
@@ -387,7 +397,7 @@ class Orderer {
             const std::vector<std::uint8_t> drawn =
                 visible_nodes(full, cells_of_cluster(cluster_of, c), range_, options_.facing);
             return refine.rounds == 0 || options_.cache_size == 0
-                       ? rank_sequence(ranks[c], drawn)
+                       ? order_by_rank(ranks[c], drawn)
                        : windowed_sequence(mesh_, known[c], ranks[c], drawn, sequence);
           });
       advance_stage(options_.progress, 1);

@@ -1,15 +1,79 @@
-// View partitions P[n], S[n,m], T[n] and R[n]: their names, cells, samples and neighbours.
-// Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 2.1.
+// Implements view partitions: the icosphere, the cells of P[n], S[n,m], T[n] and R[n], their names, and the
+// cell that contains a direction.
+//
+// Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 2.1. The icosphere has
+// the numbering and exactly the vertices of pellucid/runtime/select.h.
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
+#include "pellucid/runtime/select.h"
 #include "pellucid/view.h"
 
 namespace pellucid {
 namespace {
+
+// ------------------------------------------------------------------------------------------------- icosphere
+
+constexpr std::uint32_t kMaxIcosphereLevel = 9;  // S[5,4] needs its 2.6 million vertices
+
+using Corners = std::array<std::uint32_t, 3>;
+
+Icosphere make_icosahedron() {
+  Icosphere sphere;
+  for (const auto& v : pellucid_base_vertices) sphere.vertices.push_back({v[0], v[1], v[2]});
+  for (const auto& f : pellucid_base_faces) sphere.triangles.push_back({f[0], f[1], f[2]});
+  return sphere;
+}
+
+Vec3d midpoint(const Vec3d& a, const Vec3d& b) {
+  const std::array<double, 3> first{a.x, a.y, a.z};
+  const std::array<double, 3> second{b.x, b.y, b.z};
+  std::array<double, 3> middle{};
+  pellucid_midpoint(first.data(), second.data(), middle.data());
+  return {middle[0], middle[1], middle[2]};
+}
+
+// Splits edges at their midpoints, each edge once.
+class EdgeSplitter {
+ public:
+  explicit EdgeSplitter(Icosphere& sphere) : sphere_(sphere) {
+    middles_.reserve(sphere.triangles.size() * 2);
+  }
+
+  std::uint32_t split(std::uint32_t a, std::uint32_t b) {
+    const std::uint64_t edge = (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
+    const auto [entry, is_new] =
+        middles_.try_emplace(edge, static_cast<std::uint32_t>(sphere_.vertices.size()));
+    if (is_new) sphere_.vertices.push_back(midpoint(sphere_.vertices[a], sphere_.vertices[b]));
+    return entry->second;
+  }
+
+ private:
+  Icosphere& sphere_;
+  std::unordered_map<std::uint64_t, std::uint32_t> middles_;
+};
+
+void subdivide(Icosphere& sphere) {
+  EdgeSplitter splitter(sphere);
+  std::vector<Corners> children;
+  children.reserve(sphere.triangles.size() * 4);
+  for (const auto& [c0, c1, c2] : sphere.triangles) {
+    const std::uint32_t m12 = splitter.split(c1, c2);
+    const std::uint32_t m20 = splitter.split(c2, c0);
+    const std::uint32_t m01 = splitter.split(c0, c1);
+    children.push_back({c0, m01, m20});
+    children.push_back({m01, c1, m12});
+    children.push_back({m20, m12, c2});
+    children.push_back({m12, m20, m01});
+  }
+  sphere.triangles = std::move(children);
+}
+
+// ----------------------------------------------------------------------------------------------------- cells
 
 constexpr std::uint32_t kMaxSampleLevel = 4;
 
@@ -30,7 +94,7 @@ void check_spec(const PartitionSpec& spec) {
   if (is_continuous(spec) && spec.sample_level != kSolidSampleLevel) refuse(to_string(spec));
 }
 
-// Compressed rows from (row, value) pairs: each row sorted, without repetitions.
+// Converts (row, value) pairs to compressed rows. Each row is sorted and has no repetitions.
 void fill_rows(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, std::size_t row_count,
                std::vector<std::uint32_t>& offsets, std::vector<std::uint32_t>& values) {
   std::sort(pairs.begin(), pairs.end());
@@ -45,7 +109,8 @@ void fill_rows(std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, std:
   for (std::size_t row = 0; row < row_count; ++row) offsets[row + 1] += offsets[row];
 }
 
-// The smallest cosine between a vertex and the circumcentres of its triangles bounds its Voronoi region.
+// Returns the cosine of the cap around each vertex. The smallest cosine between a vertex and the
+// circumcentres of its triangles bounds its Voronoi region.
 std::vector<double> vertex_cap_cosines(const Icosphere& sphere) {
   constexpr double kRounding = 1e-14;
   std::vector<double> cosines(sphere.vertices.size(), 1.0);
@@ -63,7 +128,7 @@ void make_viewpoint_cells(ViewPartition& partition) {
   Icosphere sphere = make_icosphere(partition.spec.level);
   const std::size_t cells = sphere.vertices.size();
 
-  // Each cell is a vertex and its own only sample.
+  // Each cell is a vertex, which is also its only sample.
   partition.cell_offsets.resize(cells + 1);
   partition.cell_samples.resize(cells);
   std::iota(partition.cell_offsets.begin(), partition.cell_offsets.end(), 0U);
@@ -82,7 +147,7 @@ void make_viewpoint_cells(ViewPartition& partition) {
   partition.samples = std::move(sphere.vertices);
 }
 
-// Triangles are neighbours where they share an edge.
+// Finds the neighbours of triangular cells, which share an edge.
 void find_triangle_neighbors(const Icosphere& sphere, ViewPartition& partition) {
   struct EdgeSide {
     std::uint32_t low, high, triangle;
@@ -98,7 +163,7 @@ void find_triangle_neighbors(const Icosphere& sphere, ViewPartition& partition) 
       sides.push_back({low, high, t});
     }
   }
-  // The surface is closed: each edge has two sides, next to each other after sorting.
+  // The surface is closed, so each edge has two sides, which are adjacent after sorting.
   std::sort(sides.begin(), sides.end());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;
   joined.reserve(sides.size());
@@ -113,7 +178,7 @@ void make_triangle_cells(ViewPartition& partition) {
   const Icosphere cells = make_icosphere(partition.spec.level);
   Icosphere fine = make_icosphere(partition.spec.level + partition.spec.sample_level);
 
-  // The samples of cell c are the corners of its descendants, which are numbered c * 4^m and up.
+  // The samples of cell c are the corners of its descendants, which are numbered from c * 4^m on.
   const std::size_t descendants = fine.triangles.size() / cells.triangles.size();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> sampled;
   sampled.reserve(fine.triangles.size() * 3);
@@ -132,10 +197,38 @@ void make_triangle_cells(ViewPartition& partition) {
   partition.samples = std::move(fine.vertices);
 }
 
+// ---------------------------------------------------------------------------------------------------- lookup
+
+bool triangle_contains(const std::array<Vec3d, 3>& corners, const Vec3d& direction) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d inward = normalized(cross(corners[k], corners[(k + 1) % 3]));
+    if (dot(inward, direction) < -PELLUCID_BORDER) return false;
+  }
+  return true;
+}
+
+std::uint32_t nearest_sample(const ViewPartition& partition, const Vec3d& direction) {
+  std::uint32_t best = 0;
+  for (std::uint32_t c = 1; c < partition.samples.size(); ++c) {
+    if (dot(partition.samples[c], direction) > dot(partition.samples[best], direction)) best = c;
+  }
+  return best;
+}
+
 }  // namespace
 
+Icosphere make_icosphere(std::uint32_t level) {
+  if (level > kMaxIcosphereLevel) {
+    throw Error(ErrorKind::bad_argument, "icosphere level " + std::to_string(level) + " is out of range 0.." +
+                                             std::to_string(kMaxIcosphereLevel));
+  }
+  Icosphere sphere = make_icosahedron();
+  for (std::uint32_t i = 0; i < level; ++i) subdivide(sphere);
+  return sphere;
+}
+
 PartitionSpec parse_partition(const std::string& text) {
-  // Brackets are decoration: S[2,2] is S2,2.
+  // Brackets are optional: S[2,2] is S2,2.
   std::string bare = text;
   const std::size_t open = bare.find('[');
   if (open != std::string::npos) {
@@ -188,6 +281,23 @@ Vec3d cell_direction(const ViewPartition& partition, std::uint32_t cell) {
   if (partition.spec.kind == PartitionKind::viewpoints) return partition.samples[cell];
   const auto& [a, b, c] = partition.corners[cell];
   return normalized(a + b + c);
+}
+
+std::uint32_t find_cell(const ViewPartition& partition, const Vec3d& direction) {
+  const std::array<double, 3> d{direction.x, direction.y, direction.z};
+  if (has_triangle_cells(partition.spec)) {
+    return pellucid_find_triangle(partition.spec.level, d.data());
+  }
+  return partition.corner_cells[pellucid_find_corner(partition.spec.level, d.data())];
+}
+
+std::uint32_t find_cell_brute_force(const ViewPartition& partition, const Vec3d& direction) {
+  const Vec3d unit = normalized(direction);
+  if (!has_triangle_cells(partition.spec)) return nearest_sample(partition, unit);
+  for (std::uint32_t c = 0; c < partition.corners.size(); ++c) {
+    if (triangle_contains(partition.corners[c], unit)) return c;
+  }
+  return 0;
 }
 
 }  // namespace pellucid

@@ -1,4 +1,4 @@
-// Records in a folder: found again, never trusted when damaged, gone at the end.
+// Tests CheckpointStore: records are loaded again, damaged ones are rejected, and all are removed at the end.
 #include "pellucid/checkpoint.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ std::vector<std::byte> some_bytes(std::size_t size) {
   return bytes;
 }
 
-TEST_F(CheckpointFolder, GivesBackWhatWasSaved) {
+TEST_F(CheckpointFolder, LoadsWhatWasSaved) {
   for (const std::size_t size : {0U, 1U, 31U, 32U, 33U, 100000U}) {
     const std::vector<std::byte> bytes = some_bytes(size);
     {
@@ -66,7 +66,7 @@ TEST_F(CheckpointFolder, GivesBackWhatWasSaved) {
   }
 }
 
-TEST_F(CheckpointFolder, NeverTrustsADamagedRecord) {
+TEST_F(CheckpointFolder, RejectsDamagedRecords) {
   CheckpointStore store(folder_, &notes_);
   store.save(kRun, "part", some_bytes(1000));
   const std::string sound = slurp(record("part"));
@@ -90,14 +90,14 @@ TEST_F(CheckpointFolder, NeverTrustsADamagedRecord) {
   }
   spill(record("part"), sound);
   EXPECT_EQ(store.load(kRun, "part"), some_bytes(1000));
-  // Of another part, or of another run, under this name.
+  // A record of another part or another run that was renamed to this name.
   fs::copy_file(record("part"), record("other"));
   EXPECT_FALSE(store.load(kRun, "other"));
   fs::copy_file(record("part"), record("part", kOtherRun));
   EXPECT_FALSE(store.load(kOtherRun, "part"));
 }
 
-TEST_F(CheckpointFolder, IgnoresOtherRunsAndSaysSo) {
+TEST_F(CheckpointFolder, IgnoresAndReportsRecordsOfOtherRuns) {
   {
     CheckpointStore store(folder_, &notes_);
     store.begin_run(kOtherRun);
@@ -111,10 +111,10 @@ TEST_F(CheckpointFolder, IgnoresOtherRunsAndSaysSo) {
   EXPECT_FALSE(store.load(kRun, "part"));
   store.save(kRun, "part", some_bytes(20));
   store.finish();
-  EXPECT_TRUE(fs::exists(record("part", kOtherRun)));  // not ours: left alone
+  EXPECT_TRUE(fs::exists(record("part", kOtherRun)));  // belongs to another run
   EXPECT_FALSE(fs::exists(record("part")));
 
-  // The runs of several meshes in one folder are not strangers to each other.
+  // Runs of several meshes may share one folder.
   notes_.lines.clear();
   CheckpointStore both(folder_ + "-2", &notes_);
   both.begin_run(kRun);
@@ -123,7 +123,7 @@ TEST_F(CheckpointFolder, IgnoresOtherRunsAndSaysSo) {
   EXPECT_TRUE(notes_.lines.empty());
 }
 
-TEST_F(CheckpointFolder, RemovesWhatALaterRecordReplaces) {
+TEST_F(CheckpointFolder, RemovesReplacedRecords) {
   CheckpointStore store(folder_, &notes_);
   for (const char* name : {"a", "b", "result"}) store.save(kRun, name, some_bytes(10));
   store.save(kOtherRun, "a", some_bytes(10));
@@ -134,7 +134,7 @@ TEST_F(CheckpointFolder, RemovesWhatALaterRecordReplaces) {
   EXPECT_TRUE(store.load(kOtherRun, "a"));
 }
 
-TEST_F(CheckpointFolder, SweepsWhatAKilledProcessLeft) {
+TEST_F(CheckpointFolder, RemovesPartialFilesOfAKilledProcess) {
   fs::create_directory(folder_);
   spill(record("part") + ".aB3dE9", "half a rec");
   spill(folder_ + "/notes.txt", "of somebody else");
@@ -145,7 +145,7 @@ TEST_F(CheckpointFolder, SweepsWhatAKilledProcessLeft) {
   EXPECT_TRUE(fs::exists(folder_ + "/notes.txt"));
 }
 
-TEST_F(CheckpointFolder, BelongsToOneProcess) {
+TEST_F(CheckpointFolder, IsLockedByOneProcess) {
   const CheckpointStore store(folder_, &notes_);
   try {
     const CheckpointStore second(folder_, &notes_);
@@ -156,7 +156,7 @@ TEST_F(CheckpointFolder, BelongsToOneProcess) {
   }
 }
 
-TEST_F(CheckpointFolder, NamesWhatCannotBeWritten) {
+TEST_F(CheckpointFolder, ReportsThePathThatCannotBeWritten) {
   const auto expect_refusal = [](const std::string& bad) {
     try {
       const CheckpointStore store(bad);
@@ -171,7 +171,7 @@ TEST_F(CheckpointFolder, NamesWhatCannotBeWritten) {
   expect_refusal(folder_);
 }
 
-TEST(HashBytes, EveryBitCounts) {
+TEST(HashBytes, DependsOnEveryBit) {
   const std::vector<std::byte> bytes = some_bytes(70);
   std::vector<std::uint64_t> hashes{hash_bytes(bytes, 1), hash_bytes(bytes, 2)};
   for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
@@ -181,9 +181,9 @@ TEST(HashBytes, EveryBitCounts) {
   }
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     hashes.push_back(hash_bytes(std::span(bytes).first(size), 1));
-    hashes.push_back(hash_bytes(std::vector<std::byte>(size), 1));  // zeros count, too
+    hashes.push_back(hash_bytes(std::vector<std::byte>(size), 1));  // the number of zeros counts, too
   }
-  hashes.erase(std::find(hashes.begin(), hashes.end(), hash_bytes({}, 1)));  // there twice
+  hashes.erase(std::find(hashes.begin(), hashes.end(), hash_bytes({}, 1)));  // the list has it twice
   std::sort(hashes.begin(), hashes.end());
   EXPECT_EQ(std::adjacent_find(hashes.begin(), hashes.end()), hashes.end());
 }

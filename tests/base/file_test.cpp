@@ -1,4 +1,5 @@
-// Whole files in and out: a file is there whole or not at all, and errors name it.
+// Tests read_file() and write_file_atomically(): files appear complete or not at all, and errors name the
+// path.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -38,7 +39,7 @@ std::string some_text(std::size_t size) {
   return text;
 }
 
-// Expects an error of this kind that is one line, begins with the path and holds the reason.
+// Expects an error of this kind whose message is one line, begins with the path and contains the reason.
 void expect_error(ErrorKind kind, const std::string& path, const std::string& reason,
                   const std::function<void()>& work) {
   try {
@@ -53,11 +54,11 @@ void expect_error(ErrorKind kind, const std::string& path, const std::string& re
   }
 }
 
-// Makes writes into the folder of `path` fail after a temporary file was made there.
+// Makes writes to `path` fail after the temporary file has been created in its folder.
 class FailingWrites {
  public:
 #ifdef _WIN32
-  // A file that others have opened cannot be replaced.
+  // Windows cannot replace a file that is open elsewhere.
   explicit FailingWrites(const std::string& path) : open_(to_path(path), std::ios::binary) {}
 
  private:
@@ -84,7 +85,7 @@ class FailingWrites {
 
 TEST(ReadFile, ReturnsEveryByteOfFilesOfAnySize) {
   const TemporaryFolder folder;
-  constexpr std::size_t kChunk = 1U << 20U;  // in which it reads
+  constexpr std::size_t kChunk = 1U << 20U;  // read_file() reads in chunks of this size
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{1}, kChunk - 1, kChunk, kChunk + 1, 3 * kChunk}) {
     const std::string text = some_text(size);
@@ -93,26 +94,26 @@ TEST(ReadFile, ReturnsEveryByteOfFilesOfAnySize) {
   }
 }
 
-TEST(ReadFile, RefusesAFileAboveTheLimitAndReadsOneOfThatSize) {
+TEST(ReadFile, RejectsFilesLargerThanTheLimit) {
   const TemporaryFolder folder;
   const std::string path = folder.path("file");
   spill(path, "123456789");
   EXPECT_EQ(text_of(read_file(path, 9)), "123456789");
   expect_error(ErrorKind::bad_input, path, "larger than the limit", [&] { read_file(path, 8); });
 #ifdef __linux__
-  // It says that it is empty.
+  // The size of this file is reported as 0.
   expect_error(ErrorKind::bad_input, "/proc/self/status", "larger than the limit",
                [] { read_file("/proc/self/status", 8); });
 #endif
 }
 
-TEST(ReadFile, NamesAFolderInOneError) {
+TEST(ReadFile, ReportsAFolderInOneLine) {
   const TemporaryFolder folder;
   expect_error(ErrorKind::bad_input, folder.path(), "cannot read: it is a directory",
                [&] { read_file(folder.path()); });
 }
 
-TEST(ReadFile, NamesAMissingFileAndTheReason) {
+TEST(ReadFile, ReportsAMissingFileAndTheReason) {
   const TemporaryFolder folder;
   const std::string reason = std::make_error_code(std::errc::no_such_file_or_directory).message();
   for (const char* name : {"missing", "missing/file"}) {
@@ -132,7 +133,7 @@ TEST(WriteFile, ReplacesWhatWasThereAndLeavesNothingElse) {
   }
 }
 
-TEST(WriteFile, NeverShowsAPartOfAFile) {
+TEST(WriteFile, NeverExposesAPartialFile) {
   const TemporaryFolder folder;
   const std::string path = folder.path("file");
   const std::string first(3000000, 'a');
@@ -144,7 +145,7 @@ TEST(WriteFile, NeverShowsAPartOfAFile) {
   bool has_seen_second = false;
   std::thread writer([&] {
     for (; !done; ++writes) {
-      // Windows replaces no file that the reader has open.
+      // Windows does not replace a file that the reader has open.
       try {
         write_file_atomically(path, writes % 2 == 0 ? second : first);
       } catch (const Error&) {
@@ -167,7 +168,7 @@ TEST(WriteFile, NeverShowsAPartOfAFile) {
 #endif
 }
 
-TEST(WriteFile, LeavesTheOldFileAndNoOtherWhereItFails) {
+TEST(WriteFile, KeepsTheOldFileAndNoOtherOnFailure) {
   const TemporaryFolder folder;
   const std::string path = folder.path("file");
   spill(path, "old");
@@ -209,7 +210,7 @@ TEST(WriteFile, RefusesAFolderAndAMissingParent) {
   EXPECT_EQ(folder.count(), 0U);
 }
 
-TEST(WriteFile, KeepsFileNamesOfAllLanguages) {
+TEST(WriteFile, AcceptsFileNamesInAnyLanguage) {
   const TemporaryFolder folder;
   for (const char8_t* name : {u8"Würfel", u8"立方体", u8"куб", u8"🧊 ice"}) {
     const std::u8string utf8 = name;

@@ -1,4 +1,4 @@
-// The promises of parallel.h, which hold for both of its twins.
+// Tests parallel.h, both the version for several threads and the serial one.
 #include "base/parallel.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST(ParallelLoop, VisitsEveryIndexOnce) {
   }
 }
 
-TEST(ParallelRanges, VisitEveryIndexOnceInRangesOfHalfAGrainAndMore) {
+TEST(ParallelRanges, VisitEveryIndexOnceInRangesOfAtLeastHalfAGrain) {
   for (const Partitioner partitioner : {Partitioner::automatic, Partitioner::simple}) {
     for (const std::size_t size : kSizes) {
       for (const std::size_t grain : {1U, 3U, 64U, 5000U}) {
@@ -58,11 +58,11 @@ TEST(ParallelRanges, VisitEveryIndexOnceInRangesOfHalfAGrainAndMore) {
   }
 }
 
-TEST(ParallelRanges, AreNotCalledForNothing) {
+TEST(ParallelRanges, CallNoBodyForAnEmptyRange) {
   parallel_ranges(3, 3, 1, [](int, int) { FAIL(); });
 }
 
-TEST(ParallelLoop, HandsOnWhatABodyThrowsWhenNoneRunsAnyMore) {
+TEST(ParallelLoop, RethrowsTheExceptionOfABodyAfterAllBodiesReturned) {
   for (int repetition = 0; repetition < 100; ++repetition) {
     std::atomic<bool> returned{false};
     std::atomic<int> late{0};
@@ -84,7 +84,7 @@ TEST(ParallelLoop, HandsOnWhatABodyThrowsWhenNoneRunsAnyMore) {
   }
 }
 
-TEST(ParallelRanges, HandOnWhatABodyThrows) {
+TEST(ParallelRanges, RethrowTheExceptionOfABody) {
   const auto body = [](int begin, int end) {
     if (begin <= 500 && 500 < end) throw std::runtime_error("five hundred");
   };
@@ -92,8 +92,8 @@ TEST(ParallelRanges, HandOnWhatABodyThrows) {
     EXPECT_THROW(parallel_ranges(0, 1000, 10, body, partitioner), std::runtime_error);
 }
 
-// Every outer body has a loop of its own; one of them throws meanwhile.
-TEST(ParallelLoop, InsideAnotherIsCompleteWhereASiblingThrows) {
+// Every outer body runs a loop of its own, while one outer body throws.
+TEST(ParallelLoop, CompletesInsideALoopWhoseOtherBodyThrows) {
   constexpr int kOuter = 16;
   constexpr int kInner = 2000;
   for (int repetition = 0; repetition < 20; ++repetition) {
@@ -131,7 +131,7 @@ TEST(ParallelSort, SortsAsTheStandardLibrary) {
   }
 }
 
-TEST(RunIsolated, TakesNoOtherBodyOfTheLoopAround) {
+TEST(RunIsolated, RunsNoOtherBodyOfTheOuterLoop) {
   PerThread<bool> busy;
   std::atomic<int> intrusions{0};
   parallel_loop(0, 50, [&](int) {
@@ -146,7 +146,7 @@ TEST(RunIsolated, TakesNoOtherBodyOfTheLoopAround) {
   EXPECT_EQ(intrusions, 0);
 }
 
-TEST(RunIsolated, HandsOnWhatIsThrown) {
+TEST(RunIsolated, RethrowsExceptions) {
   EXPECT_THROW(run_isolated([] { throw std::runtime_error("inside"); }), std::runtime_error);
 }
 
@@ -154,7 +154,7 @@ struct Owned {
   std::thread::id owner = std::this_thread::get_id();
 };
 
-TEST(PerThread, GivesEachThreadAnObjectOfItsOwn) {
+TEST(PerThread, GivesEachThreadItsOwnObject) {
   PerThread<Owned> objects;
   std::atomic<int> strangers{0};
   parallel_loop(0, 10'000, [&](int) {
@@ -163,7 +163,7 @@ TEST(PerThread, GivesEachThreadAnObjectOfItsOwn) {
   EXPECT_EQ(strangers, 0);
 }
 
-TEST(PerThread, MakesObjectsWhenTheyAreFirstAskedFor) {
+TEST(PerThread, CreatesObjectsOnFirstUse) {
   std::atomic<int> made{0};
   PerThread<int> numbers([&] {
     ++made;

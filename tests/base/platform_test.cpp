@@ -1,4 +1,4 @@
-// The layer over the operating system: files, locks, memory, time and signals.
+// Tests the interface to the operating system: files, locks, memory, time and signals.
 #include "base/platform/platform.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ std::array<std::byte, 8> eight_bytes(int first) {
   return bytes;
 }
 
-// Works on the processor until `seconds` have passed on the clock of the wall.
+// Keeps the processor busy until `seconds` of wall time have passed.
 void work_for(double seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   volatile unsigned sink = 0;
@@ -54,7 +54,7 @@ TEST(PlatformPath, ComesBackAsTheSameString) {
   EXPECT_TRUE(to_path(name).u8string() == utf8);
 }
 
-TEST(PlatformFileKind, TellsFilesFoldersDevicesAndNothingApart) {
+TEST(PlatformFileKind, DistinguishesFilesFoldersDevicesAndMissingPaths) {
   const TemporaryFolder folder;
   spill(folder.path("file"), "text");
   EXPECT_EQ(file_kind(folder.path("file")), FileKind::regular);
@@ -68,13 +68,13 @@ TEST(PlatformFileKind, TellsFilesFoldersDevicesAndNothingApart) {
 #endif
 }
 
-TEST(PlatformWriteRefusal, PermitsOwnFilesAndFoldersAndNamesWhatIsMissing) {
+TEST(PlatformWriteRefusal, PermitsOwnFilesAndFoldersAndReportsMissingOnes) {
   const TemporaryFolder folder;
   spill(folder.path("file"), "text");
   EXPECT_FALSE(write_refusal(folder.path("file")));
   EXPECT_FALSE(write_refusal(folder.path()));
   EXPECT_EQ(write_refusal(folder.path("missing")), std::errc::no_such_file_or_directory);
-  EXPECT_EQ(slurp(folder.path("file")), "text");  // the question changes nothing
+  EXPECT_EQ(slurp(folder.path("file")), "text");  // asking does not change the file
 }
 
 TEST(PlatformFolder, IsRemovedOnlyWhenItIsEmpty) {
@@ -92,7 +92,7 @@ TEST(PlatformFolder, IsRemovedOnlyWhenItIsEmpty) {
   EXPECT_EQ(file_kind(folder.path("file")), FileKind::regular);
 }
 
-TEST(PlatformFile, IsMadeOnlyWhereThereIsNone) {
+TEST(PlatformFile, IsCreatedOnlyIfItDoesNotExist) {
   const TemporaryFolder folder;
   spill(folder.path("file"), "old");
   EXPECT_EQ(reason_of([&] { File::create_new(folder.path("file")); }), std::errc::file_exists);
@@ -101,14 +101,14 @@ TEST(PlatformFile, IsMadeOnlyWhereThereIsNone) {
   EXPECT_EQ(file_kind(folder.path("new")), FileKind::regular);
 }
 
-TEST(PlatformFile, RefusesToReadAFolderOrNothing) {
+TEST(PlatformFile, DoesNotReadFoldersOrMissingFiles) {
   const TemporaryFolder folder;
   EXPECT_EQ(reason_of([&] { File::open_to_read(folder.path()); }), std::errc::is_a_directory);
   EXPECT_EQ(reason_of([&] { File::open_to_read(folder.path("missing")); }),
             std::errc::no_such_file_or_directory);
 }
 
-TEST(PlatformFile, WritesOneCallAfterTheOtherAndReadsThemUpToTheEnd) {
+TEST(PlatformFile, AppendsEachWriteAndReadsToTheEnd) {
   const TemporaryFolder folder;
   const std::string path = folder.path("file");
   {
@@ -132,7 +132,7 @@ TEST(PlatformFile, ReadsAndWritesAtPositionsBeyondFourGibibytes) {
   File file = File::create_temporary(folder.path());
   constexpr std::uint64_t kFar = (std::uint64_t{4} << 30U) + 3;
   file.write_at(kFar, eight_bytes(100));
-  file.write_at(3, eight_bytes(10));  // where a position of 32 bits would lead to
+  file.write_at(3, eight_bytes(10));  // the offset that a 32-bit position would wrap to
   EXPECT_EQ(file.size(), kFar + 8);
   std::array<std::byte, 8> bytes{};
   file.read_at(kFar, bytes);
@@ -141,7 +141,7 @@ TEST(PlatformFile, ReadsAndWritesAtPositionsBeyondFourGibibytes) {
   EXPECT_EQ(bytes, eight_bytes(10));
 }
 
-TEST(PlatformFile, FailsToReadWhatLiesPartlyBehindItsEnd) {
+TEST(PlatformFile, FailsToReadPastItsEnd) {
   const TemporaryFolder folder;
   File file = File::create_temporary(folder.path());
   file.write_at(0, eight_bytes(1));
@@ -151,7 +151,7 @@ TEST(PlatformFile, FailsToReadWhatLiesPartlyBehindItsEnd) {
   EXPECT_EQ(reason_of([&] { file.read_at(0, bytes); }), std::error_code());
 }
 
-TEST(PlatformFile, ServesSeveralThreadsAtTheSameTime) {
+TEST(PlatformFile, ServesSeveralThreadsAtOnce) {
   const TemporaryFolder folder;
   File file = File::create_temporary(folder.path());
   constexpr int kThreads = 4;
@@ -186,12 +186,12 @@ TEST(PlatformFile, LeavesNoTemporaryFileBehind) {
   EXPECT_TRUE(reason_of([&] { File::create_temporary(folder.path("missing")); }));
 }
 
-TEST(PlatformTemporaryFolder, IsAFolderInWhichFilesCanBeMade) {
+TEST(PlatformTemporaryFolder, IsAFolderForNewFiles) {
   EXPECT_EQ(file_kind(temporary_folder()), FileKind::folder);
   EXPECT_FALSE(write_refusal(temporary_folder()));
 }
 
-TEST(PlatformFileLock, RefusesASecondHolderOfTheLock) {
+TEST(PlatformFileLock, RejectsASecondHolder) {
   const TemporaryFolder folder;
   const std::string path = folder.path("lock");
   const auto take = [&] { const FileLock lock(path); };
@@ -199,13 +199,13 @@ TEST(PlatformFileLock, RefusesASecondHolderOfTheLock) {
     const FileLock lock(path);
     EXPECT_EQ(reason_of(take), std::errc::resource_unavailable_try_again);
     EXPECT_EQ(reason_of(take), std::errc::resource_unavailable_try_again);
-    EXPECT_EQ(folder.count(), 1U);  // the refused ones have not removed it
+    EXPECT_EQ(folder.count(), 1U);  // the failed attempts have not removed it
   }
   EXPECT_EQ(folder.count(), 0U);
   EXPECT_EQ(reason_of(take), std::error_code());
 }
 
-TEST(PlatformFileLock, HasOneHolderWhileManyTakeAndRemoveIt) {
+TEST(PlatformFileLock, HasOneHolderWhileManyThreadsTakeIt) {
   const TemporaryFolder folder;
   const std::string path = folder.path("lock");
   std::atomic<int> holders{0};
@@ -238,7 +238,7 @@ TEST(PlatformFileLock, TakesALockWhoseHolderWasKilled) {
   EXPECT_EQ(folder.count(), 0U);
 }
 
-TEST(PlatformFileLock, SaysWhyItCannotBeMade) {
+TEST(PlatformFileLock, ReportsWhyItCannotBeCreated) {
   const TemporaryFolder folder;
   EXPECT_EQ(reason_of([&] { const FileLock lock(folder.path("missing/lock")); }),
             std::errc::no_such_file_or_directory);
@@ -249,7 +249,7 @@ TEST(PlatformMemory, GrowsWithTheMemoryThatIsTouched) {
   const std::uint64_t before = peak_rss_bytes();
   ASSERT_GT(before, kMebibyte / 4);
   ASSERT_LT(before, 1024 * kMebibyte);
-  // More than there was at the peak, however much of it has been freed since.
+  // Allocate more than the peak so far, of which some may have been freed.
   const std::vector<std::byte> touched(before + 64 * kMebibyte, std::byte{1});
   EXPECT_EQ(touched[touched.size() / 2], std::byte{1});
   EXPECT_GE(peak_rss_bytes(), before + 60 * kMebibyte);
@@ -260,12 +260,12 @@ TEST(PlatformThreadTime, GrowsWithWork) {
   const double step = thread_cpu_step_seconds();
   EXPECT_GT(step, 0);
   EXPECT_LT(step, 0.1);
-  // Others may keep the processor from this thread for a while.
+  // Other processes may delay this thread.
   for (int i = 0; i < 200 && thread_cpu_seconds() < start + 3 * step + 0.02; ++i) work_for(0.05);
   EXPECT_GE(thread_cpu_seconds(), start + 3 * step + 0.02);
 }
 
-TEST(PlatformThreadTime, LeavesOutSleepAndTheWorkOfOtherThreads) {
+TEST(PlatformThreadTime, ExcludesSleepAndOtherThreads) {
   const double start = thread_cpu_seconds();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   double other = 0;
@@ -298,9 +298,9 @@ TEST(PlatformStopSignalDeathTest, RaisesTheFlagOnceAndEndsTheProcessTheSecondTim
   }
 }
 
-TEST(PlatformTerminalDeathTest, IsNoFileOrPipe) {
+TEST(PlatformTerminalDeathTest, IsNotAFileOrPipe) {
   ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
-  // GoogleTest catches what the statement writes on standard error.
+  // GoogleTest captures what the statement writes to standard error.
   EXPECT_EXIT(std::exit(stderr_is_terminal() ? 1 : 0), ::testing::ExitedWithCode(0), "");
 }
 #endif

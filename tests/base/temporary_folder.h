@@ -1,4 +1,4 @@
-// A new folder for the files of one test.
+// A temporary folder for the files of one test, and functions that read and write files without the library.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace pellucid::testing {
 
-// A folder that is removed with everything in it when the object goes. Its path is UTF-8.
+// A folder that the destructor removes with everything in it. Its path is UTF-8.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -32,7 +32,7 @@ class TemporaryFolder {
   [[nodiscard]] std::string path(const std::string& name) const {
     return platform::to_utf8(folder_ / platform::to_path(name));
   }
-  // Returns how many files and folders are in it.
+  // Returns the number of files and folders in it.
   [[nodiscard]] std::size_t count() const {
     const std::filesystem::directory_iterator entries(folder_);
     return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
@@ -42,13 +42,13 @@ class TemporaryFolder {
   std::filesystem::path folder_;
 };
 
-// Returns the whole of a file without any function of the library.
+// Returns the content of a file without using the library.
 inline std::string slurp(const std::string& path) {
   std::ifstream file(platform::to_path(path), std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Writes a file without any function of the library.
+// Writes a file without using the library.
 inline void spill(const std::string& path, const std::string& text) {
   std::ofstream(platform::to_path(path), std::ios::binary) << text;
 }

@@ -1,4 +1,5 @@
-// Procedural samples: closed where they claim it, facing outwards, without self-intersection, deterministic.
+// Tests the procedural samples: their sizes, orientation, closed surfaces, self-intersections and
+// determinism.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +28,8 @@ bool claims_closed(const std::string& sample, const SamplePart& part) {
   return !sheets && part.name.find("label") == std::string::npos;
 }
 
-// Crossings of a line with a mesh: parameter along the line, +1 where it leaves (front seen from behind).
+// Returns the crossings of a line with a mesh: the parameter along the line, and +1 where the line leaves the
+// mesh through the back of a face.
 std::vector<std::pair<double, int>> crossings(const Mesh& mesh, const Vec3d& origin, const Vec3d& direction) {
   std::vector<std::pair<double, int>> result;
   for (const Triangle& t : mesh.triangles) {
@@ -49,7 +51,7 @@ std::vector<std::pair<double, int>> crossings(const Mesh& mesh, const Vec3d& ori
 
 class EverySample : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(EverySample, HasTheSizeItPromises) {
+TEST_P(EverySample, HasItsDocumentedSize) {
   const std::uint64_t count = total_triangles(make_sample(GetParam()));
   if (GetParam() == "coplanar-stack") {
     EXPECT_LE(count, 1000U);
@@ -89,7 +91,7 @@ TEST_P(EverySample, ClosedPartsFaceOutwards) {
   }
 }
 
-// Along any line through a closed surface that does not cut itself, entering and leaving alternate.
+// Entering and leaving alternate along any line through a closed surface that does not intersect itself.
 TEST_P(EverySample, ClosedPartsDoNotIntersectThemselves) {
   for (const SamplePart& part : make_sample(GetParam())) {
     if (!claims_closed(GetParam(), part)) continue;
@@ -132,7 +134,7 @@ std::string test_name(const ::testing::TestParamInfo<std::string>& sample) {
 }
 INSTANTIATE_TEST_SUITE_P(Samples, EverySample, ::testing::ValuesIn(sample_names()), test_name);
 
-TEST(Samples, AreTheOnesOfTheContract) {
+TEST(Samples, AreTheDocumentedOnes) {
   EXPECT_THAT(sample_names(),
               ::testing::ElementsAre("goblet", "torus-knot", "nested-shells", "coplanar-stack", "bottles",
                                      "hair", "smoke", "shelf", "greenhouse"));
@@ -140,7 +142,7 @@ TEST(Samples, AreTheOnesOfTheContract) {
 
 TEST(Samples, GobletHasAWallWithTwoSides) {
   const Mesh goblet = make_sample("goblet").front().mesh;
-  // A level line through the bowl: outside, wall, hollow, wall, outside.
+  // A horizontal line through the bowl passes the outside, the wall, the hollow, the wall and the outside.
   const auto found = crossings(goblet, {0.01, 1.5, 0.02}, normalized(Vec3d{1, 0.001, 0.3}));
   ASSERT_EQ(found.size(), 4U);
   EXPECT_LT(found[1].first - found[0].first, 0.1);
@@ -153,7 +155,7 @@ TEST(Samples, ShellsAreNestedWithoutTouching) {
     double innermost = 1e9;
     double outermost = 0;
     for (const Triangle& t : parts[i - 1].mesh.triangles) {
-      // Nearest point of the plane: nothing of a flat triangle comes closer to the centre.
+      // No point of a triangle is nearer to the centre than its plane.
       const Vec3d p = to_double(parts[i - 1].mesh.positions[t[0]]);
       const Vec3d q = to_double(parts[i - 1].mesh.positions[t[1]]);
       const Vec3d r = to_double(parts[i - 1].mesh.positions[t[2]]);
@@ -194,7 +196,7 @@ TEST(Samples, CoplanarStackHasExactDuplicatesAndSharedPlanes) {
   EXPECT_EQ(heights.size(), 8U);
 }
 
-TEST(Samples, RefuseUnknownNamesAndSillyDetails) {
+TEST(Samples, RejectUnknownNamesAndDetailsOutOfRange) {
   try {
     make_sample("gobelet");
     FAIL();

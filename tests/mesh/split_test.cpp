@@ -1,4 +1,4 @@
-// Triangles cut along each other's planes: against a brute-force oracle, the raster and the source triangles.
+// Tests pellucid/split.h against a brute-force search, the raster and the source triangles.
 #include "pellucid/split.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using testing::append;
 using testing::icosphere_mesh;
 using testing::random_soup;
 
-// Two triangles; b - a and d - a are its sides.
+// Returns a quad of two triangles with the sides b - a and d - a.
 Mesh quad(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
   return {{a, b, c, d}, {}, {{0, 1, 2}, {0, 2, 3}}};
 }
@@ -29,7 +29,8 @@ Mesh crossing_quads() {
   return mesh;
 }
 
-// Every side a grid of `cells` x `cells` quads with vertices of its own: a seam along every edge of the cube.
+// Returns a cube whose sides are grids of `cells` x `cells` quads with separate vertices, so that every edge
+// of the cube is a seam.
 Mesh cube_mesh(int cells, float half) {
   Mesh mesh;
   for (int side = 0; side < 6; ++side) {
@@ -78,7 +79,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-// Does an edge of one triangle pass through the inside of the other, both by more than `margin`?
+// Returns whether an edge of one triangle passes through the inside of the other, both by more than `margin`.
 bool pierces(const std::array<Vec3d, 3>& edges, const std::array<Vec3d, 3>& face, double margin) {
   const Vec3d normal = normalized(cross(face[1] - face[0], face[2] - face[0]));
   for (std::size_t i = 0; i < 3; ++i) {
@@ -110,7 +111,7 @@ std::size_t count_piercing_pairs(const Mesh& mesh, double margin) {
   return count;
 }
 
-// What must hold for every split.
+// Checks the properties that every split has.
 void expect_same_surface(const Mesh& input, const MeshSplit& split) {
   const Mesh& mesh = split.mesh;
   const std::size_t inputs = input.positions.size();
@@ -134,7 +135,7 @@ void expect_same_surface(const Mesh& input, const MeshSplit& split) {
     EXPECT_NEAR(vertex.weights[0] + vertex.weights[1] + vertex.weights[2], 1, 1e-12);
     EXPECT_LT(length(sum - to_double(mesh.positions[inputs + i])), 3e-7);
   }
-  // Corners are corners of the source triangle, or made of them alone.
+  // Corners are corners of the source triangle or weighted sums of them.
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& whole = input.triangles[split.source[t]];
     const auto is_corner = [&](std::uint32_t v) {
@@ -154,7 +155,7 @@ void expect_same_surface(const Mesh& input, const MeshSplit& split) {
   }
 }
 
-// Fragments of the source triangles, pixel by pixel: the same layers at the same depths.
+// Checks that every pixel has the same layers of source triangles at the same depths.
 void expect_same_picture(const Mesh& input, const MeshSplit& split, std::uint64_t seed) {
   const BoundingSphere sphere = bounding_sphere(input);
   std::uint64_t pixels = 0;
@@ -179,12 +180,12 @@ void expect_same_picture(const Mesh& input, const MeshSplit& split, std::uint64_
       different += same ? 0U : 1U;
     }
   }
-  // New vertices snap to 1/256 pixel of their own: a pixel centre on an edge may change sides.
+  // New vertices snap to 1/256 pixel, so a pixel centre on an edge may change sides.
   EXPECT_GT(pixels, 10000U);
   EXPECT_LE(different, pixels / 400);
 }
 
-TEST(SplitIntersections, TwoCrossingQuadsBecomePiecesOnEitherSide) {
+TEST(SplitIntersections, CutsCrossingQuadsIntoPiecesOnEitherSide) {
   const Mesh mesh = crossing_quads();
   EXPECT_EQ(count_piercing_pairs(mesh, 1e-5), find_intersections(mesh).size());
   const IntersectionSplit result = split_intersections(mesh);
@@ -193,7 +194,8 @@ TEST(SplitIntersections, TwoCrossingQuadsBecomePiecesOnEitherSide) {
   EXPECT_TRUE(result.split.complete);
   EXPECT_EQ(count_piercing_pairs(result.split.mesh, 1e-5), 0U);
   expect_same_surface(mesh, result.split);
-  // At best one of the quads is cut: two triangles, in pieces of 3 and 4 corners each, make 8 in all.
+  // It is best to cut one of the quads: its two triangles in pieces of 3 and 4 corners give 8 triangles in
+  // all.
   EXPECT_LE(result.split.mesh.triangles.size(), 11U);
 }
 
@@ -227,7 +229,7 @@ TEST(SplitIntersections, LeavesNoIntersectionsInRandomSoups) {
     EXPECT_TRUE(find_intersections(result.split.mesh).empty());
     expect_same_surface(mesh, result.split);
     expect_same_picture(mesh, result.split, seed);
-    // Fewer than three triangles a pair, in the mean.
+    // The mean is fewer than three new triangles per pair.
     EXPECT_LT(result.split.mesh.triangles.size(), mesh.triangles.size() + 3 * result.pairs);
   }
 }
@@ -247,7 +249,7 @@ TEST(SplitIntersections, KeepsClosedSurfacesClosed) {
   EXPECT_EQ(report.degenerate, 0U);
 }
 
-TEST(SplitIntersections, NoPixelShowsThroughAClosedSurface) {
+TEST(SplitIntersections, LeavesNoGapsInClosedSurfaces) {
   const Mesh mesh = cube_through_sphere();
   const Mesh split = split_intersections(mesh).split.mesh;
   const BoundingSphere sphere = bounding_sphere(mesh);
@@ -266,7 +268,7 @@ TEST(SplitIntersections, NoPixelShowsThroughAClosedSurface) {
   EXPECT_GT(pixels, 500000U);
 }
 
-TEST(SplitIntersections, SeamsKeepVerticesOfTheirOwn) {
+TEST(SplitIntersections, KeepsSeparateVerticesAtSeams) {
   // Two triangles that share an edge by position only, and one that passes through both.
   Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {}, {{0, 1, 2}, {3, 4, 5}}};
   append(mesh, Mesh{{{-0.5F, 0.4F, -3}, {1.5F, 0.45F, -3}, {0.5F, 0.5F, 5}}, {}, {{0, 1, 2}}});
@@ -299,8 +301,8 @@ TEST(SplitIntersections, InterpolatesNormals) {
   }
 }
 
-TEST(SplitIntersections, LeavesTouchingAndCoplanarFacesAlone) {
-  // Neighbours, a fold, an edge that only touches, faces on each other, and a pair 1e-6 deep in each other.
+TEST(SplitIntersections, DoesNotCutTouchingOrCoplanarFaces) {
+  // Neighbours, a fold, an edge that only touches, coplanar faces, and a pair that overlaps by only 1e-6.
   Mesh mesh = quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.3F});
   append(mesh, Mesh{{{0.5F, 0.2F, 0}, {0.7F, 0.2F, 0}, {0.5F, 0.2F, -1}}, {}, {{0, 1, 2}}});
   append(mesh, quad({3, 0, 0}, {4, 0, 0}, {4, 1, 0}, {3, 1, 0}));
@@ -312,8 +314,8 @@ TEST(SplitIntersections, LeavesTouchingAndCoplanarFacesAlone) {
   EXPECT_TRUE(result.split.new_vertices.empty());
 }
 
-TEST(SplitIntersections, NearlyCoplanarSheetsDoNotExplode) {
-  // Two grids of 800 triangles with ripples of 5e-6 radii, and of 5e-4.
+TEST(SplitIntersections, AddsFewTrianglesToNearlyCoplanarSheets) {
+  // Two grids of 800 triangles with ripples of 5e-6 and of 5e-4 radii.
   for (const double height : {5e-6, 5e-4}) {
     Mesh mesh;
     for (int sheet = 0; sheet < 2; ++sheet) {
@@ -340,7 +342,7 @@ TEST(SplitIntersections, NearlyCoplanarSheetsDoNotExplode) {
   }
 }
 
-TEST(SplitIntersections, KeepsToItsLimit) {
+TEST(SplitIntersections, RespectsTheTriangleLimit) {
   const Mesh mesh = random_soup(150, 0.5, 33);
   const std::uint64_t needed = split_intersections(mesh).split.mesh.triangles.size() - mesh.triangles.size();
   for (const std::uint64_t limit : {std::uint64_t{0}, std::uint64_t{1}, needed / 2, needed}) {
@@ -356,7 +358,7 @@ TEST(SplitIntersections, KeepsToItsLimit) {
 
 TEST(SplitIntersections, SurvivesDegenerateInput) {
   EXPECT_TRUE(split_intersections(Mesh{}).split.mesh.triangles.empty());
-  // Needles, points, doubles of each other, far from the origin.
+  // Needles, points and duplicates, far from the origin.
   Mesh mesh = random_soup(60, 0.5, 44);
   for (Vec3f& p : mesh.positions) p = p + Vec3f{3000, -2000, 1000};
   for (std::uint32_t t = 0; t < 20; ++t) mesh.triangles.push_back(mesh.triangles[t]);
@@ -390,7 +392,7 @@ TEST(CutTriangles, CutsByThePlaneOfAnother) {
   const std::vector<TriangleCut> cuts{{0, 2}, {3, 0}};
   const MeshSplit split = cut_triangles(mesh, cuts);
   expect_same_surface(mesh, split);
-  // No piece of triangle 0 is on both sides of y = 0.1; no piece of triangle 3 on both sides of z = 0.
+  // No piece of triangle 0 is on both sides of y = 0.1, and no piece of triangle 3 is on both sides of z = 0.
   for (std::uint32_t t = 0; t < split.mesh.triangles.size(); ++t) {
     if (split.source[t] != 0 && split.source[t] != 3) continue;
     double least = 1;
@@ -402,11 +404,11 @@ TEST(CutTriangles, CutsByThePlaneOfAnother) {
     }
     EXPECT_TRUE(least > -1e-6 || most < 1e-6);
   }
-  // Triangle 1 shares the diagonal with 0: it got the vertex there.
+  // Triangle 1 shares the diagonal with triangle 0, so it has the new vertex, too.
   EXPECT_GT(std::count(split.source.begin(), split.source.end(), 1U), 1);
 }
 
-TEST(CutTriangles, SplitsCompose) {
+TEST(Compose, JoinsTwoSplits) {
   const Mesh mesh = random_soup(60, 0.6, 66);
   const MeshSplit first = split_intersections(mesh).split;
   std::vector<TriangleCut> cuts;
@@ -416,14 +418,14 @@ TEST(CutTriangles, SplitsCompose) {
   expect_same_surface(mesh, compose(first, second));
 }
 
-TEST(CutConvex, CornersInThePlaneBelongToBothPartsOnlyWhereTheOutlineChangesSides) {
+TEST(CutConvex, SharesOneCornerInThePlanePerChangeOfSides) {
   const auto never = [](std::uint32_t, std::uint32_t, double, double) -> std::uint32_t {
     ADD_FAILURE() << "no edge crosses the plane";
     return 0;
   };
   std::vector<std::uint32_t> front;
   std::vector<std::uint32_t> back;
-  // Two corners in the plane beside each other on one side of the polygon, three on the other.
+  // The plane contains two adjacent corners at one side of the polygon and three at the other.
   const std::vector<std::uint32_t> corners{0, 1, 2, 3, 4, 5, 6};
   const std::vector<double> heights{1, 1e-9, -2e-9, -1, 3e-9, 0, 2e-9};
   cut_convex(corners, heights, 1e-6, never, front, back);

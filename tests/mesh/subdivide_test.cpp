@@ -1,4 +1,4 @@
-// Loop subdivision: known weights and counts on meshes made for them, manifold pieces out of any soup.
+// Tests pellucid/subdivide.h: known weights and counts, seams, non-manifold input and random triangles.
 #include "pellucid/subdivide.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ Subdivision subdivided(const Mesh& mesh, std::uint32_t levels) {
   return subdivide_loop(mesh.triangles, weld_by_position(mesh.positions), levels);
 }
 
-// Weight of every control vertex in a refined vertex.
+// Returns the weight of every control vertex in a refined vertex.
 std::map<std::uint32_t, double> stencil(const Subdivision& s, std::uint32_t vertex) {
   std::map<std::uint32_t, double> weights;
   for (std::uint32_t i = s.first[vertex]; i < s.first[vertex + 1]; ++i) weights[s.control[i]] += s.weights[i];
@@ -32,7 +32,7 @@ std::uint32_t vertex_near(const Mesh& mesh, const Vec3f& position) {
   return best;
 }
 
-// Every edge has one triangle, or two that pass it in opposite directions.
+// Returns whether every edge has one triangle, or two that use it in opposite directions.
 bool is_oriented_manifold(const std::vector<Triangle>& triangles) {
   std::set<std::array<std::uint32_t, 2>> directed;
   for (const Triangle& t : triangles) {
@@ -44,8 +44,8 @@ bool is_oriented_manifold(const std::vector<Triangle>& triangles) {
   return true;
 }
 
-// Refined twins, two triangles back to back, have twins for children, with common inner edges: what must be
-// manifold is the mesh that is refined.
+// Two triangles back to back have children back to back with common inner edges. The mesh that is refined
+// must therefore be manifold, not the result.
 void expect_sound(const Mesh& mesh, const Subdivision& s) {
   EXPECT_TRUE(is_oriented_manifold(subdivided(mesh, 0).triangles));
   ASSERT_EQ(s.source.size(), s.triangles.size());
@@ -59,7 +59,7 @@ void expect_sound(const Mesh& mesh, const Subdivision& s) {
   }
 }
 
-// Equilateral triangles, `size` a side: rows of a big triangle.
+// Returns a large triangle of equilateral triangles, `size` per side.
 Mesh triangle_patch(std::uint32_t size) {
   Mesh mesh;
   std::vector<std::vector<std::uint32_t>> rows;
@@ -80,7 +80,7 @@ Mesh triangle_patch(std::uint32_t size) {
   return mesh;
 }
 
-TEST(Subdivide, ClosedMeshGainsAVertexPerEdge) {
+TEST(Subdivide, AddsAVertexPerEdge) {
   const Mesh mesh = icosphere_mesh(1);
   for (std::uint32_t levels = 0; levels <= 3; ++levels) {
     const Subdivision s = subdivided(mesh, levels);
@@ -96,7 +96,7 @@ TEST(Subdivide, ClosedMeshGainsAVertexPerEdge) {
   }
 }
 
-TEST(Subdivide, IcosahedronFollowsLoopsRule) {
+TEST(Subdivide, FollowsLoopsRuleOnTheIcosahedron) {
   // Valence 5: beta = (5/8 - (3/8 + cos(2 pi / 5) / 4)^2) / 5; the five neighbours' mean is z / sqrt(5) of
   // the pole.
   const Mesh mesh = icosphere_mesh(0);
@@ -109,12 +109,12 @@ TEST(Subdivide, IcosahedronFollowsLoopsRule) {
   EXPECT_LT(length(moved - pole * static_cast<float>(radius)), 1e-6F);
 }
 
-TEST(Subdivide, WeightsOfInnerAndBoundaryVertices) {
+TEST(Subdivide, HasLoopsWeightsInsideAndAtBoundaries) {
   const Mesh mesh = triangle_patch(4);
   const Subdivision s = subdivided(mesh, 1);
   const Mesh refined = subdivide(mesh, 1);
 
-  // Valence 6: 5/8 and six times 1/16. In a regular patch it stays where it is.
+  // Valence 6: the weights are 5/8 and six times 1/16. The vertex of a regular patch does not move.
   const std::uint32_t inner = vertex_near(mesh, {2, 2, 0});
   std::map<std::uint32_t, double> weights = stencil(s, vertex_near(refined, {2, 2, 0}));
   EXPECT_EQ(weights.size(), 7U);
@@ -123,16 +123,16 @@ TEST(Subdivide, WeightsOfInnerAndBoundaryVertices) {
     if (vertex == inner) continue;
     EXPECT_NEAR(weight, 0.0625, 1e-12);
   }
-  // On the boundary: 3/4 and twice 1/8.
+  // A boundary vertex has the weights 3/4 and twice 1/8.
   const std::uint32_t edge = vertex_near(mesh, {2, 0, 0});
   weights = stencil(s, vertex_near(refined, {2, 0, 0}));
   EXPECT_EQ(weights, (std::map<std::uint32_t, double>{{edge - 1, 0.125}, {edge, 0.75}, {edge + 1, 0.125}}));
-  // In the middle of an inner edge: 3/8 at its ends, 1/8 opposite.
+  // The middle of an inner edge has the weights 3/8 for its ends and 1/8 for the opposite vertices.
   weights = stencil(s, vertex_near(refined, {2.25F, 1.5F, 0}));
   std::multiset<double> values;
   for (const auto& [vertex, weight] : weights) values.insert(weight);
   EXPECT_THAT(values, ::testing::ElementsAre(0.125, 0.125, 0.375, 0.375));
-  // And of a boundary edge: its middle.
+  // The new vertex of a boundary edge is its middle.
   weights = stencil(s, vertex_near(refined, {1.5F, 0, 0}));
   EXPECT_EQ(weights, (std::map<std::uint32_t, double>{{edge - 1, 0.5}, {edge, 0.5}}));
 }
@@ -144,7 +144,7 @@ TEST(Subdivide, FlatMeshesStayFlatAndChildrenLieInTheirParent) {
     const Mesh refined = subdivide(mesh, levels);
     const std::size_t children = std::size_t{1} << (2 * levels);
     for (const Vec3f& p : refined.positions) EXPECT_EQ(p.z, 0);
-    // The middle triangle of the patch has only regular neighbours: its children fill it exactly.
+    // The middle triangle of the patch has only regular neighbours, so its children fill it exactly.
     double area = 0;
     const std::uint32_t middle = s.source[s.source.size() / 2];
     for (std::size_t t = 0; t < refined.triangles.size(); ++t) {
@@ -160,8 +160,8 @@ TEST(Subdivide, FlatMeshesStayFlatAndChildrenLieInTheirParent) {
   }
 }
 
-TEST(Subdivide, SeamsDoNotOpen) {
-  // The icosphere with every triangle's vertices its own.
+TEST(Subdivide, DoesNotOpenSeams) {
+  // An icosphere in which every triangle has its own vertices.
   const Mesh mesh = icosphere_mesh(1);
   Mesh cut;
   for (const Triangle& t : mesh.triangles) {
@@ -174,20 +174,20 @@ TEST(Subdivide, SeamsDoNotOpen) {
   expect_sound(cut, s);
 }
 
-TEST(Subdivide, FinOnAClosedMeshStaysByItself) {
-  // A tetrahedron, and a triangle that stands on one of its edges.
+TEST(Subdivide, SeparatesATriangleOnAnEdgeOfAClosedMesh) {
+  // A tetrahedron and a triangle on one of its edges.
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, -1, -1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 1, 4}};
   const Subdivision s = subdivided(mesh, 2);
   expect_sound(mesh, s);
   EXPECT_EQ(s.triangles.size(), 80U);
-  // Closed tetrahedron: 2 + 64 / 2; the fin by itself: 15.
+  // The closed tetrahedron has 2 + 64 / 2 vertices, and the separate triangle has 15.
   EXPECT_EQ(s.vertices(), 34U + 15U);
 }
 
-TEST(Subdivide, LeafModelledTwiceStaysTwoSheets) {
-  // A hexagon's front and back at the same places, with vertices of their own.
+TEST(Subdivide, KeepsALeafModelledTwiceAsTwoSheets) {
+  // The front and the back of a hexagon have the same positions but different vertices.
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {-1, 2, 0}, {-2, 0, 0}, {-1, -2, 0}, {1, -2, 0}};
   for (std::uint32_t k = 0; k < 6; ++k) mesh.triangles.push_back({0, 1 + k, 1 + (k + 1) % 6});
@@ -197,12 +197,12 @@ TEST(Subdivide, LeafModelledTwiceStaysTwoSheets) {
   const Subdivision s = subdivided(mesh, 1);
   expect_sound(mesh, s);
   EXPECT_EQ(s.triangles.size(), 48U);
-  // Joined along the rim: a closed surface, V = 2 + F / 2.
+  // If they are joined along the rim, they are a closed surface with V = 2 + F / 2.
   EXPECT_EQ(s.vertices(), 26U);
 }
 
-TEST(Subdivide, StripWhoseFrontAndBackShareBothRimsIsCut) {
-  // All vertices are on the rim, so that both sheets have the same inner edges.
+TEST(Subdivide, CutsAStripWhoseFrontAndBackShareBothRims) {
+  // All vertices are on the rim, so both sheets have the same inner edges.
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 6, 5}, {4, 7, 6}};
@@ -211,7 +211,7 @@ TEST(Subdivide, StripWhoseFrontAndBackShareBothRimsIsCut) {
   EXPECT_EQ(s.triangles.size(), 4U * 64U);
 }
 
-TEST(Subdivide, MoebiusStripIsCutWhereItTurns) {
+TEST(Subdivide, CutsAMoebiusStrip) {
   Mesh mesh;
   for (int i = 0; i < 5; ++i) {
     const float x = static_cast<float>(i);
@@ -229,7 +229,7 @@ TEST(Subdivide, MoebiusStripIsCutWhereItTurns) {
   EXPECT_EQ(s.triangles.size(), 160U);
 }
 
-TEST(Subdivide, DegenerateTrianglesAndNothingAtAll) {
+TEST(Subdivide, AcceptsDegenerateTrianglesAndEmptyMeshes) {
   EXPECT_EQ(subdivided(Mesh{}, 3).triangles.size(), 0U);
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}};
@@ -237,13 +237,13 @@ TEST(Subdivide, DegenerateTrianglesAndNothingAtAll) {
   const Subdivision s = subdivided(mesh, 1);
   EXPECT_EQ(s.source, (std::vector<std::uint32_t>{1, 1, 1, 1}));
   expect_sound(mesh, s);
-  // Collinear corners are three corners.
+  // Three collinear corners are three distinct corners.
   mesh.positions[2] = {2, 0, 0};
   EXPECT_EQ(subdivided(mesh, 1).triangles.size(), 4U);
 }
 
-TEST(Subdivide, AnySoupBecomesManifoldPieces) {
-  // Few vertices, many triangles: every edge is crowded, triangles repeat and turn round.
+TEST(Subdivide, SplitsRandomTrianglesIntoManifoldPieces) {
+  // With few vertices and many triangles, every edge has many triangles, some of them repeated or reversed.
   Random random(3);
   for (int round = 0; round < 300; ++round) {
     const std::uint64_t vertices = 3 + random.below(8);
@@ -266,7 +266,7 @@ TEST(Subdivide, AnySoupBecomesManifoldPieces) {
   }
 }
 
-TEST(Subdivide, RefusesWhatIsTooMuch) {
+TEST(Subdivide, RejectsTooManyLevelsOrTriangles) {
   const Mesh mesh = icosphere_mesh(0);
   EXPECT_THROW(subdivided(mesh, 4), Error);
   const std::vector<Triangle> many((std::size_t{1} << 22U) + 1, Triangle{0, 0, 0});

@@ -45,8 +45,8 @@ TEST(LayerRows, SayExactlyWhatAMoveCosts) {
     const std::int64_t before = excess_of(pool, weighted, ranks);
     LayerRows rows(pool, weighted, parts, ranks);
     for (std::uint32_t patch = 0; patch < patches; ++patch) {
-      const WishRow row = rows.row(patch, positions);
-      const auto [first, last] = rows.room(patch);
+      const PreferenceRow row = rows.row(patch, positions);
+      const auto [first, last] = rows.free_range(patch);
       ASSERT_EQ(row.neighbors.size(), row.weights.size());
       for (const NodeId neighbor : row.neighbors) {
         EXPECT_NE(neighbor, patch);
@@ -91,7 +91,7 @@ TEST(LayerRows, PatchesOfNoListWishForNothing) {
   LayerRows rows(pool, weighted, parts, ranks);
   const std::vector<double> positions(ranks.begin(), ranks.end());
   EXPECT_TRUE(rows.row(1, positions).neighbors.empty());
-  const WishRow row = rows.row(0, positions);
+  const PreferenceRow row = rows.row(0, positions);
   ASSERT_EQ(row.neighbors.size(), 1U);
   EXPECT_EQ(row.neighbors[0], 2U);
   EXPECT_EQ(row.weights[0], 5.0F);

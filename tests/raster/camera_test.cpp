@@ -1,4 +1,4 @@
-// look_at_sphere: the sphere fits, and nothing of it is clipped.
+// Tests look_at_sphere(): the sphere fits into the image, and nothing of it is clipped.
 #include <gtest/gtest.h>
 
 #include "raster_helpers.h"
@@ -53,7 +53,7 @@ TEST(LookAtSphere, AxesAreRightHandedAndOrthonormalFromEverywhere) {
   }
 }
 
-TEST(LookAtSphere, InsideAndDegenerate) {
+TEST(LookAtSphere, AcceptsCamerasInsideAndSpheresWithoutExtent) {
   const Camera inside = look_at_sphere({{0, 0, 0}, 2}, {{0, 0, 1}, 0.5}, kSide, kSide);
   EXPECT_DOUBLE_EQ(inside.half_height, 1.0);
   EXPECT_DOUBLE_EQ(inside.near_plane, 0.002);

@@ -1,5 +1,5 @@
-// Coverage of single triangles: literal cases, the top-left rule, and the SIMD kernel against its scalar twin
-// and against a point-in-triangle test in exact integers.
+// Tests the coverage of single triangles: literal cases, the top-left rule, and the SIMD kernel against the
+// scalar version and against a point-in-triangle test in exact integers.
 #include "raster/coverage.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ Corners clockwise(Corners t) {
   return t;
 }
 
-// The oracle: the definition of the fill rule, one centre at a time, without any box or step.
+// The reference applies the definition of the fill rule to one centre at a time, without boxes or steps.
 bool covers_center(const Corners& t, Pixel pixel) {
   const FixedPoint p{pixel.first * kSubpixels + kSubpixels / 2, pixel.second * kSubpixels + kSubpixels / 2};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -89,7 +89,8 @@ std::set<Pixel> covered_by_kernel(SmallKernel kernel, const Corners& t, std::int
   return pixels;
 }
 
-// Corners on a grid of `step` subpixels around the picture: coarse steps make points on edges common.
+// Returns corners on a grid of `step` subpixels around the image. With coarse steps, centres are often on
+// edges.
 Corners random_triangle(Random& random, std::int32_t side, std::int32_t step) {
   Corners t{};
   const auto cells = static_cast<std::uint64_t>((side + 8) * kSubpixels / step);
@@ -101,18 +102,18 @@ Corners random_triangle(Random& random, std::int32_t side, std::int32_t step) {
 }
 
 TEST(Coverage, SquareOfTwoTrianglesOwnsItsTopAndLeftEdges) {
-  // Corners on the centres of pixels (1, 1) and (4, 3).
+  // The corners are the centres of the pixels (1, 1) and (4, 3).
   const std::int32_t left = 1 * 256 + 128, top = 1 * 256 + 128, right = 4 * 256 + 128, bottom = 3 * 256 + 128;
   const Corners upper{{{left, top}, {right, top}, {left, bottom}}};
   const Corners lower{{{right, top}, {right, bottom}, {left, bottom}}};
   const std::set<Pixel> first = covered_by_rows(upper, kSide);
   const std::set<Pixel> second = covered_by_rows(lower, kSide);
-  // The diagonal through (4, 1) and (1, 3) is the lower triangle's left edge.
+  // The diagonal through (4, 1) and (1, 3) is the left edge of the lower triangle.
   EXPECT_EQ(first, (std::set<Pixel>{{1, 1}, {2, 1}, {3, 1}, {1, 2}, {2, 2}}));
   EXPECT_EQ(second, (std::set<Pixel>{{3, 2}}));
 }
 
-TEST(Coverage, CenterOnTheUpperLeftCornerOnly) {
+TEST(Coverage, CoversACentreOnTheUpperLeftCornerOnly) {
   const Corners t = clockwise({{{128, 128}, {640, 128}, {128, 640}}});
   EXPECT_TRUE(covers_center(t, {0, 0}));
   EXPECT_TRUE(covered_by_rows(t, kSide).contains({0, 0}));
@@ -142,9 +143,9 @@ TEST(Coverage, MatchesTheDefinitionOnRandomTriangles) {
   EXPECT_GT(covered, 100000U);
 }
 
-TEST(Coverage, LargestSmallTriangles) {
-  // Extents just below the limit, anywhere on the subpixel grid: 64 columns and rows fit, and 32 bits
-  // suffice.
+TEST(Coverage, IsExactForTheLargestSmallTriangles) {
+  // Extents just below the limit, anywhere on the subpixel grid, have at most 64 columns and rows, and 32
+  // bits suffice.
   Random random(8);
   for (int i = 0; i < 300; ++i) {
     const auto x = static_cast<std::int32_t>(random.below(2 * kSubpixels));
@@ -161,7 +162,7 @@ TEST(Coverage, LargestSmallTriangles) {
   }
 }
 
-TEST(Coverage, KernelEqualsItsTwinOnBatches) {
+TEST(Coverage, KernelEqualsTheScalarVersionOnBatches) {
   Random random(9);
   std::vector<SmallTriangle> triangles;
   std::size_t row_count = 0;
@@ -191,11 +192,11 @@ TEST(Coverage, KernelEqualsItsTwinOnBatches) {
 }
 
 TEST(Coverage, HugeTrianglesDoNotOverflow) {
-  // As far out as the guard band allows; the picture is the middle.
+  // The corners are as far out as the guard band allows. The image is in the middle.
   constexpr std::int32_t kFar = (1 << 20) * kSubpixels;
   const Corners everything = clockwise({{{-kFar, -kFar}, {2 * kFar, -kFar}, {-kFar, 2 * kFar}}});
   EXPECT_EQ(covered_by_rows(everything, kSide).size(), static_cast<std::size_t>(kSide * kSide));
-  // The diagonal x + y = 20 pixels through the picture, exactly.
+  // The diagonal x + y = 20 pixels runs exactly through the image.
   const Corners half =
       clockwise({{{-kFar, kFar + 20 * kSubpixels}, {kFar + 20 * kSubpixels, -kFar}, {-kFar, -kFar}}});
   for (const Pixel& p : covered_by_rows(half, kSide)) EXPECT_LT(p.first + p.second + 1, 20);

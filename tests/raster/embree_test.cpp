@@ -1,4 +1,5 @@
-// The independent witness: Embree's rays through pixel centres must meet the triangles that the raster lists.
+// Tests the raster against an independent implementation: rays of Embree through pixel centres must meet the
+// triangles that the raster lists.
 #if PELLUCID_EMBREE_VERSION == 4
 #include <embree4/rtcore.h>
 #else
@@ -18,7 +19,7 @@ namespace {
 using testing::fragments_of;
 using testing::wrinkled_sphere;
 
-// Gathers every triangle that a ray meets, nearest or not.
+// Collects every triangle that a ray meets.
 struct AllHits {
 #if PELLUCID_EMBREE_VERSION == 4
   RTCRayQueryContext context;
@@ -54,9 +55,9 @@ void gather(const RTCFilterFunctionNArguments* arguments) {
   arguments->valid[0] = 0;  // go on along the ray
 }
 
-class Witness {
+class EmbreeScene {
  public:
-  explicit Witness(const Mesh& mesh) : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+  explicit EmbreeScene(const Mesh& mesh) : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* positions = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size()));
@@ -71,14 +72,14 @@ class Witness {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcCommitScene(scene_);
   }
-  Witness(const Witness&) = delete;
-  Witness& operator=(const Witness&) = delete;
-  ~Witness() {
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+  ~EmbreeScene() {
     rtcReleaseScene(scene_);
     rtcReleaseDevice(device_);
   }
 
-  // Nodes along the ray through a pixel's centre, sorted by number.
+  // Returns the nodes along the ray through the centre of a pixel, sorted by id.
   [[nodiscard]] std::vector<std::uint32_t> hits(const Camera& camera, std::uint32_t x,
                                                 std::uint32_t y) const {
     const double unit = 2 * camera.half_height / camera.height;
@@ -108,10 +109,10 @@ class Witness {
   RTCScene scene_;
 };
 
-// Share of pixels whose set of nodes differs from Embree's. The raster snaps vertices to 1/256 pixel, so a
-// centre within that of an edge may go either way.
+// Returns the share of pixels whose set of nodes differs from that of Embree. The raster snaps vertices to
+// 1/256 pixel, so a centre that near to an edge may be on either side.
 double disagreement(const Mesh& mesh, const Camera& camera) {
-  const Witness witness(mesh);
+  const EmbreeScene embree(mesh);
   const FragmentBuffer buffer = fragments_of(mesh, camera);
   std::size_t different = 0;
   std::size_t covered = 0;
@@ -120,7 +121,7 @@ double disagreement(const Mesh& mesh, const Camera& camera) {
       std::vector<std::uint32_t> nodes;
       for (const Fragment& f : buffer.pixel(std::size_t{y} * camera.width + x)) nodes.push_back(f.node);
       std::sort(nodes.begin(), nodes.end());
-      const std::vector<std::uint32_t> expected = witness.hits(camera, x, y);
+      const std::vector<std::uint32_t> expected = embree.hits(camera, x, y);
       covered += nodes.empty() && expected.empty() ? 0U : 1U;
       different += nodes == expected ? 0U : 1U;
     }
@@ -133,21 +134,21 @@ Camera camera_at(const Vec3d& direction, double distance, std::uint32_t size) {
   return look_at_sphere({{0, 0, 0}, 1}, {normalized(direction), distance}, size, size);
 }
 
-TEST(AgainstEmbree, WrinkledSphere) {
-  // About 60 pixels a triangle: its outline is 40 pixels long, of which 1 / 128 counts as near.
+TEST(AgainstEmbree, AgreesOnAWrinkledSphere) {
+  // A triangle has about 60 pixels. Its outline is 40 pixels long, of which 1 / 128 counts as near.
   const Mesh mesh = wrinkled_sphere(30, 0.2);
   EXPECT_LT(disagreement(mesh, camera_at({1, 2, 3}, 3, 300)), 0.01);
   EXPECT_LT(disagreement(mesh, camera_at({-1, 0.2, 0.1}, kInfiniteDistance, 300)), 0.01);
   EXPECT_LT(disagreement(mesh, camera_at({-1, 0.2, 0.1}, 0.4, 300)), 0.01);
 }
 
-TEST(AgainstEmbree, RandomSoup) {
+TEST(AgainstEmbree, AgreesOnRandomTriangles) {
   const Mesh mesh = testing::random_soup(100, 0.25, 4, 0.5);
   EXPECT_LT(disagreement(mesh, camera_at({1, 2, -3}, 2.5, 300)), 0.02);
   EXPECT_LT(disagreement(mesh, camera_at({1, 0, 0}, kInfiniteDistance, 300)), 0.02);
 }
 
-// Positions and triangles of an OBJ file of triangles; enough for the one that is used here.
+// Reads the positions and triangles of the OBJ file that is used here.
 Mesh read_plain_obj(std::istream& in) {
   Mesh mesh;
   std::string line;
@@ -179,7 +180,8 @@ TEST(AgainstEmbree, BunnyAndItsLayers) {
   const BoundingSphere sphere = bounding_sphere(mesh);
   EXPECT_LT(disagreement(mesh, look_at_sphere(sphere, {normalized(Vec3d{1, 1, 1}), 3}, 384, 384)), 0.02);
 
-  // Published with the model: 12 layers at most, 2.17 on average, over ten oblique directions at 768 x 768.
+  // Published with the model: at most 12 layers and 2.17 on average, over ten oblique directions at 768 x
+  // 768.
   Random random(6);
   std::size_t covered = 0, fragments = 0, deepest = 0;
   for (int i = 0; i < 10; ++i) {

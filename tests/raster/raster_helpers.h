@@ -1,4 +1,4 @@
-// Small meshes and cameras, and comparisons, for the tests of module `raster`.
+// Meshes, cameras and comparisons for the tests of the raster.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace pellucid::testing {
 
-// Looks along -z at the square [-1, 1]^2 from z = 1; picture x runs with x, picture y against y; depth = (1 -
-// z) / 2.
+// Returns an orthographic camera that looks along -z at the square [-1, 1]^2 from z = 1. Image x runs along x
+// and image y against y, and the depth is (1 - z) / 2.
 inline Camera front_camera(std::uint32_t width, std::uint32_t height) {
   Camera camera;
   camera.eye = {0, 0, 1};
@@ -26,7 +26,7 @@ inline Camera front_camera(std::uint32_t width, std::uint32_t height) {
   return camera;
 }
 
-// Closed and wrinkled: a sphere whose radius varies, `segments` by 2 `segments` quads.
+// Returns a closed sphere with a varying radius, of `segments` by 2 `segments` quads.
 inline Mesh wrinkled_sphere(std::uint32_t segments, double wrinkle) {
   Mesh mesh;
   const std::uint32_t rings = segments;

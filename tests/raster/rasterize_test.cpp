@@ -1,4 +1,4 @@
-// Whole frames: lists against a brute-force scan, shared edges, closed meshes, clipping, culling,
+// Tests rasterize(): fragment lists against brute force, shared edges, closed meshes, clipping, culling and
 // determinism.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "raster/fragment_lists.h"
+#include "raster/spans.h"
 #include "raster_helpers.h"
 
 namespace pellucid {
@@ -40,8 +40,8 @@ void expect_well_formed(const FragmentBuffer& buffer) {
   }
 }
 
-// The oracle: every triangle against every pixel centre, with its own projection, snapping and depth
-// (barycentric).
+// The reference tests every triangle at every pixel centre, with its own projection, snapping and barycentric
+// depth.
 struct BruteFragment {
   double depth;
   std::uint32_t node;
@@ -115,15 +115,15 @@ void expect_equals_brute_force(const Mesh& mesh, const Camera& camera) {
   }
 }
 
-TEST(Rasterize, EmptyMeshLeavesEveryPixelEmpty) {
+TEST(Rasterize, LeavesEveryPixelOfAnEmptyMeshEmpty) {
   const FragmentBuffer buffer = fragments_of({}, front_camera(5, 3));
   expect_well_formed(buffer);
   EXPECT_EQ(buffer.fragments.size(), 0U);
   EXPECT_EQ(buffer.covered_pixels(), 0U);
 }
 
-TEST(Rasterize, OneTriangleByHand) {
-  // Covers the lower left half of a 4 x 4 picture up to, not including, the diagonal.
+TEST(Rasterize, MatchesOneTriangleByHand) {
+  // The triangle covers the lower left half of a 4 x 4 image without the diagonal.
   Mesh mesh;
   mesh.positions = {{-1, -1, 0}, {1, -1, 0.5F}, {-1, 1, 0}};
   mesh.triangles = {{0, 1, 2}};
@@ -135,7 +135,7 @@ TEST(Rasterize, OneTriangleByHand) {
                                             1, 1, 1, 0};
   for (std::size_t p = 0; p < 16; ++p) EXPECT_EQ(buffer.pixel(p).size(), expected[p]) << p;
   EXPECT_EQ(buffer.covered_pixels(), 6U);
-  // Depth falls by an eighth of a unit a quarter of the picture: (1 - z) / 2 with z = (x + 1) / 4.
+  // The depth is (1 - z) / 2 with z = (x + 1) / 4.
   EXPECT_FLOAT_EQ(buffer.pixel(12)[0].depth, 0.5F - 0.25F * 0.125F);
   EXPECT_FLOAT_EQ(buffer.pixel(14)[0].depth, 0.5F - 0.25F * 0.625F);
   EXPECT_EQ(buffer.pixel(12)[0].node, 0U);
@@ -144,7 +144,7 @@ TEST(Rasterize, OneTriangleByHand) {
   EXPECT_EQ(fragments_of(mesh, front_camera(4, 4)).pixel(12)[0].node, 1U);
 }
 
-TEST(Rasterize, RandomSoupsEqualBruteForce) {
+TEST(Rasterize, EqualsBruteForceOnRandomTriangles) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const double size = seed % 2 == 0 ? 0.1 : 0.6;
     const Mesh mesh = random_soup(150, size / std::sqrt(3.0) * 0.9, seed, 0.4);
@@ -153,11 +153,11 @@ TEST(Rasterize, RandomSoupsEqualBruteForce) {
         mesh, perspective_camera(random.direction(), 2.0 + 0.5 * static_cast<double>(seed), 61));
     expect_equals_brute_force(mesh, perspective_camera(random.direction(), kInfiniteDistance, 48));
   }
-  // Larger than what the 32-bit kernel takes.
+  // These triangles are larger than the 32-bit kernel accepts.
   expect_equals_brute_force(random_soup(12, 0.4, 99, 0.3), perspective_camera({1, 2, 3}, 3, 300));
 }
 
-// Put the vertices of a square grid at random, without turning any triangle over.
+// Moves the vertices of a square grid at random without reversing any triangle.
 Mesh jittered_plane(std::uint32_t cells, std::uint64_t seed) {
   Random random(seed);
   Mesh mesh;
@@ -179,8 +179,8 @@ Mesh jittered_plane(std::uint32_t cells, std::uint64_t seed) {
   return mesh;
 }
 
-TEST(Rasterize, EveryPixelOfATriangulatedPlaneIsCoveredOnce) {
-  // From a few huge triangles to some smaller than a pixel.
+TEST(Rasterize, CoversEveryPixelOfATriangulatedPlaneOnce) {
+  // The sizes range from a few huge triangles to triangles smaller than a pixel.
   for (const std::uint32_t cells : {1U, 3U, 16U, 64U, 200U}) {
     const FragmentBuffer buffer = fragments_of(jittered_plane(cells, cells), front_camera(128, 128));
     expect_well_formed(buffer);
@@ -189,8 +189,8 @@ TEST(Rasterize, EveryPixelOfATriangulatedPlaneIsCoveredOnce) {
   }
 }
 
-TEST(Rasterize, ClippedPlaneHasNoCracks) {
-  // A plane through the eye's near plane and beyond the guard band on both sides.
+TEST(Rasterize, LeavesNoCracksInAClippedPlane) {
+  // The plane crosses the near plane and extends beyond the guard band on both sides.
   Mesh mesh = jittered_plane(12, 5);
   for (Vec3f& p : mesh.positions) p = {p.x * 1e4F, -0.3F, p.y * 1e4F};
   Camera camera = perspective_camera({0, 0, 1}, 0.5, 128);
@@ -200,7 +200,7 @@ TEST(Rasterize, ClippedPlaneHasNoCracks) {
   for (std::uint32_t y = 0; y < 128; ++y) {
     for (std::uint32_t x = 0; x < 128; ++x) {
       const std::size_t p = std::size_t{y} * 128 + x;
-      // Centres at least half a pixel below the horizon (height / 2) see the plane.
+      // The plane covers centres at least half a pixel below the horizon (height / 2).
       ASSERT_EQ(buffer.pixel(p).size(), y >= 65 ? 1U : (y < 63 ? 0U : buffer.pixel(p).size()))
           << x << "," << y;
       if (y < 65) continue;
@@ -213,7 +213,7 @@ TEST(Rasterize, ClippedPlaneHasNoCracks) {
   }
 }
 
-TEST(Rasterize, ClosedMeshHasAsManyFrontsAsBacksEverywhere) {
+TEST(Rasterize, SeesAsManyFrontsAsBacksOfAClosedMesh) {
   const Mesh mesh = wrinkled_sphere(60, 0.2);
   Random random(3);
   for (int i = 0; i < 12; ++i) {
@@ -229,7 +229,7 @@ TEST(Rasterize, ClosedMeshHasAsManyFrontsAsBacksEverywhere) {
   }
 }
 
-TEST(Rasterize, CameraInsideAClosedMeshSeesOneMoreBack) {
+TEST(Rasterize, SeesOneMoreBackFromInsideAClosedMesh) {
   const Mesh mesh = wrinkled_sphere(40, 0.1);
   const Camera camera = perspective_camera({0.3, 0.5, -1}, 0.3, 150);
   const FragmentBuffer buffer = fragments_of(mesh, camera);
@@ -241,8 +241,8 @@ TEST(Rasterize, CameraInsideAClosedMeshSeesOneMoreBack) {
   }
 }
 
-TEST(Rasterize, NearAndFarPlanesCutWhereTheySay) {
-  // A slope from z = 0.9 (near end) to z = -0.9; planes at depths 0.5 and 1.5 keep the middle: |z| <= 0.5.
+TEST(Rasterize, ClipsAtTheNearAndFarPlanes) {
+  // The slope runs from z = 0.9 to z = -0.9. The planes at distances 0.5 and 1.5 keep its middle, |z| <= 0.5.
   Mesh mesh;
   mesh.positions = {{-1, -1, 0.9F}, {1, -1, -0.9F}, {1, 1, -0.9F}, {-1, 1, 0.9F}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -278,7 +278,7 @@ TEST(Rasterize, BackCullingKeepsExactlyTheFrontFragments) {
   }
 }
 
-TEST(Rasterize, SameBytesForAnyNumberOfThreadsAndReusedBuffers) {
+TEST(Rasterize, GivesTheSameBytesForAnyThreadsAndReusedBuffers) {
   const Mesh mesh = random_soup(40000, 0.03, 33, 0.8);
   const Camera camera = perspective_camera({0.2, 0.9, 0.4}, 2.2, 333);
   FragmentBuffer reference;
@@ -307,7 +307,7 @@ TEST(Rasterize, CopiesOfABufferDoNotShareMemory) {
   EXPECT_TRUE(same_bytes(first, fragments_of(mesh, perspective_camera({1, 0, 0}, 3, 64))));
 }
 
-TEST(Rasterize, TrianglesOfADifferentOrderGiveTheSamePicture) {
+TEST(Rasterize, DoesNotDependOnTheOrderOfTriangles) {
   Mesh mesh = random_soup(500, 0.3, 77, 0.5);
   const Camera camera = perspective_camera({1, 1, 1}, 3, 80);
   const FragmentBuffer before = fragments_of(mesh, camera);
@@ -315,12 +315,12 @@ TEST(Rasterize, TrianglesOfADifferentOrderGiveTheSamePicture) {
   const FragmentBuffer after = fragments_of(mesh, camera);
   ASSERT_EQ(before.offsets, after.offsets);
   for (std::size_t i = 0; i < before.fragments.size(); ++i) {
-    // Equal depths may swap, as their nodes have other numbers now.
+    // Fragments of equal depth may be swapped, because their nodes have other ids now.
     ASSERT_EQ(before.fragments[i].depth, after.fragments[i].depth);
   }
 }
 
-TEST(Rasterize, BrokenTrianglesDrawNothing) {
+TEST(Rasterize, IgnoresInvalidTriangles) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinite = std::numeric_limits<float>::infinity();
   const float huge = std::numeric_limits<float>::max();
@@ -332,7 +332,7 @@ TEST(Rasterize, BrokenTrianglesDrawNothing) {
     expect_well_formed(buffer);
     EXPECT_EQ(buffer.fragments.size(), 0U);
   }
-  // Merely huge is fine: the triangle covers the quarter x > 0, y > 0.
+  // A huge triangle is valid. It covers the quarter x > 0, y > 0.
   mesh.positions = {{0, 0, 0}, {huge, 0, 0}, {0, huge, 0}};
   mesh.triangles = {{0, 1, 2}};
   const FragmentBuffer buffer = fragments_of(mesh, perspective_camera({0, 0, 1}, 3, 50));
@@ -340,8 +340,8 @@ TEST(Rasterize, BrokenTrianglesDrawNothing) {
   EXPECT_EQ(buffer.covered_pixels(), 25U * 25U);
 }
 
-TEST(Rasterize, GrazingSliversStayWithinTheirDepthRange) {
-  // Nearly edge-on triangles: the plane's gradient is huge, the fragments' depth must not be.
+TEST(Rasterize, KeepsDepthsOfGrazingSliversInRange) {
+  // The depth gradients of nearly edge-on triangles are huge, but the depths of their fragments must not be.
   Random random(5);
   Mesh mesh;
   for (std::uint32_t i = 0; i < 20000; ++i) {
@@ -363,8 +363,8 @@ TEST(Rasterize, GrazingSliversStayWithinTheirDepthRange) {
 }
 
 TEST(Rasterize, DepthsAgreeOnTheEdgeOfTwoTriangles) {
-  // A roof whose ridge runs along pixel centres' row: above it one triangle, below the other; extrapolating
-  // each by a pixel must give the ridge's depth from both sides.
+  // The ridge of a roof runs along a row of pixel centres, with one triangle above and one below.
+  // Extrapolating each of them by a pixel must give the depth of the ridge.
   Mesh mesh;
   mesh.positions = {{-0.9F, 0.011F, 0.31F}, {0.83F, 0.013F, -0.22F}, {0.1F, 0.9F, 0.7F}, {0.2F, -0.8F, 0.5F}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
@@ -377,7 +377,7 @@ TEST(Rasterize, DepthsAgreeOnTheEdgeOfTwoTriangles) {
       bool steep = false;
       for (std::uint32_t row = y - 2; row <= y + 3; ++row) steep = steep || at(row).size() != 1;
       if (steep || at(y)[0].node == at(y + 1)[0].node) continue;
-      // Where the two lines through the rows above and below meet is the ridge: between the rows y and y + 1.
+      // The lines through the rows above and below meet at the ridge, between the rows y and y + 1.
       const double above = double{at(y)[0].depth} - double{at(y - 1)[0].depth};
       const double below = double{at(y + 2)[0].depth} - double{at(y + 1)[0].depth};
       const double crossing = (double{at(y + 1)[0].depth} - below - double{at(y)[0].depth}) / (above - below);
@@ -389,7 +389,7 @@ TEST(Rasterize, DepthsAgreeOnTheEdgeOfTwoTriangles) {
   EXPECT_GT(seen, 200U);
 }
 
-TEST(Rasterize, RefusesImpossiblePictures) {
+TEST(Rasterize, RejectsInvalidCamerasAndImageSizes) {
   const auto kind_of = [](const Camera& camera) {
     try {
       fragments_of({}, camera);

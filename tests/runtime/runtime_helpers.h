@@ -1,4 +1,4 @@
-// What the tests of the run-time header share.
+// Helpers that the tests of select.h share.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Key frames at run time: the selector of select.h against brute force over all times and cells.
+// Tests key frames at run time: the functions of select.h against brute force over all times and cells.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -41,7 +41,7 @@ std::uint32_t nearest_by_brute_force(const std::vector<float>& times, double tim
   return best;
 }
 
-TEST(NearestKeyframe, LiteralCases) {
+TEST(NearestKeyframe, PicksTheEarlierOfTiesAndClampsToTheEnds) {
   EXPECT_EQ(nearest_of({}, 1), 0U);
   EXPECT_EQ(nearest_of({3}, -5), 0U);
   EXPECT_EQ(nearest_of({3}, 5), 0U);
@@ -64,7 +64,7 @@ TEST(NearestKeyframe, AgreesWithBruteForceOverAllTimes) {
   for (std::size_t count = 1; count <= 40; ++count) {
     std::vector<float> times{static_cast<float>(random.uniform(-2, 2))};
     while (times.size() < count) {
-      // Steps of quarters now and then, so that there are true ties.
+      // Use steps of quarters in some cases, so that exact ties occur.
       const bool even = random.below(2) == 0;
       times.push_back(even ? std::floor(times.back()) + 1.25F
                            : times.back() + static_cast<float>(random.uniform(1e-3, 1)));
@@ -83,7 +83,7 @@ TEST(NearestKeyframe, AgreesWithBruteForceOverAllTimes) {
   }
 }
 
-// A model that walks, with a table of its own for every key frame.
+// A moving model with a different table for every key frame.
 struct Walk {
   PartitionSpec spec;
   ViewPartition partition;
@@ -118,7 +118,7 @@ struct Walk {
     keyframes = {times.data(), spheres.data(), count, rows.data(), 2};
   }
 
-  // Different for every cell and key frame.
+  // The order differs for every cell and key frame.
   [[nodiscard]] std::uint32_t order_of(std::uint32_t frame, std::uint32_t cell) const {
     return frame * partition.cell_count() + cell;
   }
@@ -136,7 +136,7 @@ TEST_P(AnimatedCells, AgreesWithBruteForceFromEverywhere) {
   for (int i = 0; i < 100000 / 3; ++i) {
     const double time = random.uniform(-1, 15);
     const std::uint32_t frame = nearest_by_brute_force(walk.times, time);
-    // Near and far, also inside the sphere: overdraw orders have no range.
+    // Test near and far cameras and those inside of the sphere, because overdraw orders have no range.
     const Vec3d direction = random.direction();
     const double distance = std::exp(random.uniform(-5, 9));
     const Direction camera = to_array(walk.center(frame) + direction * distance);
@@ -150,9 +150,9 @@ TEST_P(AnimatedCells, AgreesWithBruteForceFromEverywhere) {
   }
 }
 
-TEST(AnimatedSelection, KnowsWhereTheModelStands) {
+TEST(AnimatedSelection, AppliesTheMatrixOfTheModel) {
   const Walk walk("S1,0", 3, 7);
-  // Mirrored, turned, scaled and moved.
+  // The matrix mirrors, rotates, scales and translates.
   const Matrix world{0, 2, 0, 0, 2, 0, 0, 0, 0, 0, 3, 0, 5, -6, 7, 1};
   Random random(9);
   for (int i = 0; i < 1000; ++i) {
@@ -168,7 +168,7 @@ TEST(AnimatedSelection, KnowsWhereTheModelStands) {
   }
 }
 
-TEST(AnimatedSelection, WithoutAnAnimationTheModelIsAtRest) {
+TEST(AnimatedSelection, UsesTheModelAtRestWithoutAnAnimation) {
   Walk walk("S0,0", 2, 11);
   for (std::size_t cell = 0; cell < walk.rest.size(); ++cell) {
     walk.rest[cell] = static_cast<std::uint8_t>(100 + cell);
@@ -185,7 +185,7 @@ TEST(AnimatedSelection, WithoutAnAnimationTheModelIsAtRest) {
   }
 }
 
-TEST(AnimatedSelection, NamesAnOrderEvenWithoutAPlace) {
+TEST(AnimatedSelection, ReturnsAnOrderWithoutADirection) {
   const Walk walk("S0,0", 2, 15);
   const Matrix flat{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
   const auto select = [&](const Matrix& world, const Direction& camera) {

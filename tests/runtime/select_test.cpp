@@ -1,4 +1,5 @@
-// The run-time selector against brute force, the table against the descent, cameras against matrices.
+// Tests select.h: the descent against brute force, the table against the descent, and cameras against
+// matrices.
 #include "pellucid/runtime/select.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,8 @@ using testing::kInfinity;
 using testing::kNaN;
 using testing::to_array;
 
-// Inward edge normals of all triangles of a level, from make_icosphere: an oracle that shares no descent.
+// The inward edge normals of all triangles of a level, from make_icosphere(). This reference shares no code
+// with the descent.
 class BruteForce {
  public:
   explicit BruteForce(std::uint32_t level) : sphere_(make_icosphere(level)) {
@@ -31,11 +33,11 @@ class BruteForce {
       planes_.push_back(planes);
     }
   }
-  // How far inside triangle t the unit direction is, as the sine of the angle to the nearest border.
+  // Returns how far a unit direction is inside triangle t, as the sine of the angle to the nearest border.
   [[nodiscard]] double depth(std::uint32_t t, const Vec3d& d) const {
     return std::min({dot(planes_[t][0], d), dot(planes_[t][1], d), dot(planes_[t][2], d)});
   }
-  // The lowest triangle that contains d within the tie rule's 1e-12.
+  // Returns the triangle with the lowest id that contains d within 1e-12.
   [[nodiscard]] std::uint32_t find(const Vec3d& d) const {
     for (std::uint32_t t = 0; t < planes_.size(); ++t) {
       if (depth(t, d) >= -PELLUCID_BORDER) return t;
@@ -49,7 +51,7 @@ class BruteForce {
   std::vector<std::array<Vec3d, 3>> planes_;
 };
 
-// A table with its memory.
+// A table that owns its memory.
 struct OwnedTable {
   std::vector<PellucidTableCell> cells;
   std::vector<std::uint32_t> grid;
@@ -70,15 +72,15 @@ std::uint32_t descend(std::uint32_t level, const Vec3d& d) {
 }
 
 TEST(Descent, AgreesWithBruteForceOnAMillionDirections) {
-  const BruteForce oracle(2);
+  const BruteForce reference(2);
   Random random(1);
   for (int i = 0; i < 1000000; ++i) {
     const Vec3d d = random.direction();
-    ASSERT_EQ(descend(2, d), oracle.find(d)) << d.x << ' ' << d.y << ' ' << d.z;
+    ASSERT_EQ(descend(2, d), reference.find(d)) << d.x << ' ' << d.y << ' ' << d.z;
   }
 }
 
-TEST(Descent, AgreesWithTheViewRoomsBruteForce) {
+TEST(Descent, AgreesWithFindCellBruteForce) {
   for (std::uint32_t level = 0; level <= 3; ++level) {
     const ViewPartition partition = make_partition({PartitionKind::sampled_triangles, level, 0});
     Random random(level);
@@ -89,21 +91,21 @@ TEST(Descent, AgreesWithTheViewRoomsBruteForce) {
   }
 }
 
-// Any level to the deepest: the found triangle contains the direction, and its corners are make_icosphere's.
+// At every level, the found triangle contains the direction and has the corners of make_icosphere().
 TEST(Descent, ContainsTheDirectionOnEveryLevel) {
   for (std::uint32_t level = 0; level <= PELLUCID_MAX_LEVEL; ++level) {
-    const BruteForce oracle(level);
+    const BruteForce reference(level);
     Random random(level + 100);
     for (int i = 0; i < 20000; ++i) {
       const Vec3d d = random.direction();
       const std::uint32_t found = descend(level, d);
       ASSERT_LT(found, pellucid_triangle_count(level));
-      ASSERT_GE(oracle.depth(found, d), -2 * PELLUCID_BORDER);
+      ASSERT_GE(reference.depth(found, d), -2 * PELLUCID_BORDER);
     }
   }
 }
 
-TEST(Descent, HasTheCornersOfTheIcosphereToTheLastBit) {
+TEST(Descent, HasExactlyTheCornersOfTheIcosphere) {
   for (std::uint32_t level = 0; level <= 5; ++level) {
     const Icosphere sphere = make_icosphere(level);
     for (std::uint32_t t = 0; t < sphere.triangles.size(); ++t) {
@@ -117,29 +119,30 @@ TEST(Descent, HasTheCornersOfTheIcosphereToTheLastBit) {
   }
 }
 
-// Vertices, edge middles and directions within rounding of them: the lowest id that touches.
+// Vertices, edge middles and directions within rounding of them belong to the adjacent triangle with the
+// lowest id.
 TEST(Descent, GivesBordersToTheLowestId) {
   constexpr std::uint32_t kLevel = 2;
-  const BruteForce oracle(kLevel);
+  const BruteForce reference(kLevel);
   const Icosphere finer = make_icosphere(kLevel + 1);
   for (const Vec3d& v : finer.vertices) {
-    ASSERT_EQ(descend(kLevel, v), oracle.find(v));
+    ASSERT_EQ(descend(kLevel, v), reference.find(v));
     for (const double wiggle : {1e-16, -1e-16, 3e-16}) {
       const Vec3d moved = normalized(v + Vec3d{wiggle, -wiggle, wiggle});
-      ASSERT_EQ(descend(kLevel, moved), oracle.find(v));
+      ASSERT_EQ(descend(kLevel, moved), reference.find(v));
     }
   }
-  // Points along all edges, made without regard to the subdivision.
-  const Icosphere& sphere = oracle.sphere();
+  // Points along all edges, computed independently of the subdivision.
+  const Icosphere& sphere = reference.sphere();
   for (const auto& [a, b, c] : sphere.triangles) {
     for (const double u : {0.1, 0.37, 0.5, 0.93}) {
       const Vec3d d = normalized(sphere.vertices[a] * u + sphere.vertices[b] * (1 - u));
-      ASSERT_EQ(descend(kLevel, d), oracle.find(d));
+      ASSERT_EQ(descend(kLevel, d), reference.find(d));
     }
   }
 }
 
-TEST(Descent, AcceptsAnyLengthAndSurvivesNonsense) {
+TEST(Descent, AcceptsAnyLengthAndInvalidDirections) {
   Random random(3);
   for (int i = 0; i < 1000; ++i) {
     const Vec3d d = random.direction();
@@ -176,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(
                       std::array<std::uint32_t, 3>{2, 1, 1},  // too coarse for the one-ring
                       std::array<std::uint32_t, 3>{3, 100, 37}, std::array<std::uint32_t, 3>{4, 64, 128}));
 
-TEST_P(TableOfSize, AnswersAsTheDescentDoes) {
+TEST_P(TableOfSize, AgreesWithTheDescent) {
   const auto& [level, theta_steps, phi_steps] = GetParam();
   const OwnedTable owned(level, theta_steps, phi_steps);
   Random random(9);
@@ -191,7 +194,7 @@ TEST_P(TableOfSize, AnswersAsTheDescentDoes) {
   }
 }
 
-TEST(Table, RingsHoldAllTrianglesThatShareACorner) {
+TEST(Table, RingsContainAllTrianglesThatShareACorner) {
   constexpr std::uint32_t kLevel = 3;
   const OwnedTable owned(kLevel, 8, 16);
   const Icosphere sphere = make_icosphere(kLevel);
@@ -254,7 +257,7 @@ void expect_near(const double (&actual)[3], const Vec3d& expected, double tolera
   EXPECT_NEAR(actual[2], expected.z, tolerance);
 }
 
-TEST(Camera, ComesBackIntoLocalSpaceThroughAnyAffineMatrix) {
+TEST(Camera, IsTransformedToLocalSpaceByAnyAffineMatrix) {
   Random random(21);
   int mirrored = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -283,7 +286,7 @@ TEST(Camera, ComesBackIntoLocalSpaceThroughAnyAffineMatrix) {
   EXPECT_GT(mirrored, 300);
 }
 
-TEST(Camera, WithoutAPlaceFallsBack) {
+TEST(Camera, UsesTheFallbackWithoutADirection) {
   const Matrix identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   const Matrix flat{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
   PellucidOrders orders = orders_around({1, 2, 3}, 2);
@@ -304,7 +307,7 @@ TEST(Camera, WithoutAPlaceFallsBack) {
   const Direction broken{1, kNaN, 12};
   EXPECT_EQ(pellucid_select_perspective(&orders, identity.data(), broken.data()), 9U);
 
-  // Orthographic cameras are infinitely far: only orders without an end hold.
+  // Orthographic cameras are infinitely far away, so only orders without an upper limit are valid.
   const Direction forward{0, 0, -1};
   EXPECT_EQ(pellucid_select_orthographic(&orders, identity.data(), forward.data()), 9U);
   orders.max_distance = HUGE_VAL;

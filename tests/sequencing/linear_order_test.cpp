@@ -1,4 +1,5 @@
-// Sifting against brute force over all permutations, on acyclic graphs, and as a heuristic that never loses.
+// Tests sifting against brute force over all permutations, on acyclic graphs, and that it never makes an
+// order worse.
 #include "sequencing/linear_order.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ EdgeMap random_edges(std::uint32_t nodes, std::size_t count, Random& random) {
   return edges;
 }
 
-// Edges that follow a hidden order, so that 0 can be reached.
+// Returns edges that follow a hidden order, so that an order without violations exists.
 EdgeMap random_dag(std::uint32_t nodes, std::size_t count, Random& random) {
   const std::vector<std::uint32_t> hidden = random_ranks(nodes, random);
   EdgeMap edges;
@@ -42,40 +43,40 @@ double best_of_all(const EdgeMap& edges, std::uint32_t nodes) {
   return best;
 }
 
-TEST(NetWishes, AreAntisymmetricAndAccountForEveryEdge) {
+TEST(NetPreferences, AreAntisymmetricAndIncludeEveryEdge) {
   Random random(1);
   for (int trial = 0; trial < 100; ++trial) {
     const auto nodes = static_cast<std::uint32_t>(2 + random.below(20));
     const EdgeMap edges = random_edges(nodes, random.below(100), random);
-    const PairWishes wishes = net_wishes(rows_of(nodes, edges));
+    const PairPreferences preferences = net_preferences(rows_of(nodes, edges));
     EdgeMap found;
     for (NodeId u = 0; u < nodes; ++u) {
-      for (std::uint32_t i = wishes.offsets[u]; i < wishes.offsets[u + 1]; ++i)
-        found[{u, wishes.neighbors[i]}] += static_cast<double>(wishes.weights[i]);
+      for (std::uint32_t i = preferences.offsets[u]; i < preferences.offsets[u + 1]; ++i)
+        found[{u, preferences.neighbors[i]}] += static_cast<double>(preferences.weights[i]);
     }
     for (const auto& [pair, weight] : found) {
       EXPECT_EQ((found.at({pair.second, pair.first})), -weight);
       const auto get = [&](NodeId a, NodeId b) { return edges.contains({a, b}) ? edges.at({a, b}) : 0.0; };
       EXPECT_NEAR(weight, get(pair.first, pair.second) - get(pair.second, pair.first), 1e-6);
     }
-    // Counted directly or through the wishes: the same violations.
+    // The violated weight is the same computed from the edges and from the preferences.
     const std::vector<std::uint32_t> ranks = random_ranks(nodes, random);
-    EXPECT_NEAR(violated_weight(wishes, ranks) + wishes.unavoidable, violated(edges, ranks), 1e-4);
+    EXPECT_NEAR(violated_weight(preferences, ranks) + preferences.unavoidable, violated(edges, ranks), 1e-4);
   }
 }
 
-TEST(Sift, FindsTheOptimumOfSmallGraphsMostly) {
+TEST(Sift, FindsTheOptimumOfMostSmallGraphs) {
   Random random(2);
   int optimal = 0;
   constexpr int kTrials = 60;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto nodes = static_cast<std::uint32_t>(3 + random.below(5));
     const EdgeMap edges = random_edges(nodes, 3 * nodes, random);
-    const PairWishes wishes = net_wishes(rows_of(nodes, edges));
+    const PairPreferences preferences = net_preferences(rows_of(nodes, edges));
     const double best = best_of_all(edges, nodes);
     std::vector<std::uint32_t> ranks = random_ranks(nodes, random);
     const double start = violated(edges, ranks);
-    const double left = sift(wishes, {30, 0, {}}, ranks) + wishes.unavoidable;
+    const double left = sift(preferences, {30, 0, {}}, ranks) + preferences.unavoidable;
     EXPECT_TRUE(testing::is_permutation_of_all(ranks));
     EXPECT_NEAR(left, violated(edges, ranks), 1e-4);
     EXPECT_LE(left, start + 1e-4);
@@ -89,15 +90,15 @@ TEST(Sift, NeverEndsWorseOnLargerGraphs) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
     const EdgeMap edges = random_edges(300, 5000, random);
-    const PairWishes wishes = net_wishes(rows_of(300, edges));
+    const PairPreferences preferences = net_preferences(rows_of(300, edges));
     std::vector<std::uint32_t> ranks = random_ranks(300, random);
-    const double start = violated_weight(wishes, ranks);
-    const double left = sift(wishes, {}, ranks);
+    const double start = violated_weight(preferences, ranks);
+    const double left = sift(preferences, {}, ranks);
     EXPECT_TRUE(testing::is_permutation_of_all(ranks));
-    EXPECT_EQ(left, violated_weight(wishes, ranks));
-    EXPECT_LT(left, 0.85 * start);  // random graphs: about half before, well less after
+    EXPECT_EQ(left, violated_weight(preferences, ranks));
+    EXPECT_LT(left, 0.85 * start);  // about half of the weight before, and much less after
     const double again = left;
-    EXPECT_LE(sift(wishes, {}, ranks), again);
+    EXPECT_LE(sift(preferences, {}, ranks), again);
   }
 }
 
@@ -108,16 +109,16 @@ TEST(Sift, SortsAcyclicGraphs) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto nodes = static_cast<std::uint32_t>(5 + random.below(40));
     const EdgeMap edges = random_dag(nodes, 2 * nodes, random);
-    const PairWishes wishes = net_wishes(rows_of(nodes, edges));
+    const PairPreferences preferences = net_preferences(rows_of(nodes, edges));
     std::vector<std::uint32_t> ranks = random_ranks(nodes, random);
     const double start = violated(edges, ranks);
-    const double left = sift(wishes, {100, 0, {}}, ranks);
+    const double left = sift(preferences, {100, 0, {}}, ranks);
     EXPECT_LE(left, 0.6 * start);
     sorted += left == 0 ? 1 : 0;
-    // An order without violations stays as it is.
+    // An order without violations does not change.
     if (left == 0) {
       const std::vector<std::uint32_t> before = ranks;
-      EXPECT_EQ(sift(wishes, {}, ranks), 0.0);
+      EXPECT_EQ(sift(preferences, {}, ranks), 0.0);
       EXPECT_EQ(ranks, before);
     }
   }
@@ -125,22 +126,22 @@ TEST(Sift, SortsAcyclicGraphs) {
 }
 
 TEST(Sift, SortsAChain) {
-  // A complete order: every pair compared, as the depth order of parallel planes.
+  // Every pair has an edge, as in the depth order of parallel planes.
   EdgeMap edges;
   for (NodeId u = 0; u < 40; ++u) {
     for (NodeId v = u + 1; v < 40; ++v) edges[{u, v}] = 1;
   }
   Random random(5);
   std::vector<std::uint32_t> ranks = random_ranks(40, random);
-  EXPECT_EQ(sift(net_wishes(rows_of(40, edges)), {100, 0, {}}, ranks), 0.0);
+  EXPECT_EQ(sift(net_preferences(rows_of(40, edges)), {100, 0, {}}, ranks), 0.0);
   for (NodeId u = 0; u < 40; ++u) EXPECT_EQ(ranks[u], u);
 }
 
-TEST(Sift, EmptyAndEdgeless) {
+TEST(Sift, AcceptsGraphsWithoutNodesOrEdges) {
   std::vector<std::uint32_t> none;
-  EXPECT_EQ(sift(net_wishes(rows_of(0, {})), {}, none), 0.0);
+  EXPECT_EQ(sift(net_preferences(rows_of(0, {})), {}, none), 0.0);
   std::vector<std::uint32_t> two{1, 0};
-  EXPECT_EQ(sift(net_wishes(rows_of(2, {})), {}, two), 0.0);
+  EXPECT_EQ(sift(net_preferences(rows_of(2, {})), {}, two), 0.0);
   EXPECT_EQ(two, (std::vector<std::uint32_t>{1, 0}));
 }
 

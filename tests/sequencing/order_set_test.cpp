@@ -1,4 +1,4 @@
-// What a renderer does with an order set: selection, ranks, index buffers.
+// Tests the use of order sets at run time: selection, ranks and index buffers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(SelectOrder, IsTheOrderOfTheCellFoundByBruteForce) {
+TEST(SelectOrder, ReturnsTheOrderOfTheCellFoundByBruteForce) {
   Random random(1);
   for (const char* text : {"S0,0", "S1,1", "S2,2", "S3,0", "P0", "P2"}) {
     OrderSet set;
@@ -26,7 +26,7 @@ TEST(SelectOrder, IsTheOrderOfTheCellFoundByBruteForce) {
   }
 }
 
-TEST(SelectOrder, OfAnAnimationIsThatOfTheSelectorOfRenderers) {
+TEST(SelectOrder, AgreesWithSelectHForAnimations) {
   constexpr double kIdentity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   Random random(3);
   for (const char* text : {"S0,0", "S1,1", "P1"}) {
@@ -76,7 +76,7 @@ TEST(RanksOf, MarksMissingNodes) {
   EXPECT_EQ(ranks_of(NodeSequence{3, 0}, 2), (std::vector<std::uint32_t>{1, kNoRank, kNoRank, 0}));
 }
 
-TEST(IndexBuffer, TurnsFlippedTwins) {
+TEST(IndexBuffer, ReversesFlippedCopies) {
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}, {{0, 1, 2}, {1, 3, 2}}};
   EXPECT_EQ(index_buffer(mesh, NodeSequence{3, 0}), (std::vector<std::uint32_t>{1, 2, 3, 0, 1, 2}));
 }

@@ -1,4 +1,4 @@
-// Cache misses: literal cases, naive lists, and meshoptimizer's analyser.
+// Tests the vertex-cache simulation: literal cases, naive lists, and the analyser of meshoptimizer.
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
@@ -26,7 +26,7 @@ std::uint64_t naive_misses(std::span<const std::uint32_t> indices, CacheModel mo
   return misses;
 }
 
-// Indices that come back to recent ones often, as those of a mesh do.
+// Returns indices that often repeat recent ones, like those of a mesh.
 std::vector<std::uint32_t> local_indices(std::size_t triangles, std::uint32_t vertices, std::uint64_t seed) {
   Random random(seed);
   std::vector<std::uint32_t> indices;
@@ -39,7 +39,7 @@ std::vector<std::uint32_t> local_indices(std::size_t triangles, std::uint32_t ve
   return indices;
 }
 
-TEST(VertexCache, StripByHand) {
+TEST(VertexCache, CountsTheMissesOfAStrip) {
   const std::vector<std::uint32_t> strip{0, 1, 2, 2, 1, 3, 2, 3, 4};
   const CacheStatistics s = simulate_vertex_cache(strip, 5, CacheModel::fifo, 16);
   EXPECT_EQ(s.misses, 5U);
@@ -47,8 +47,8 @@ TEST(VertexCache, StripByHand) {
   EXPECT_DOUBLE_EQ(s.atvr, 1.0);
 }
 
-TEST(VertexCache, FifoForgetsWhatLruKeeps) {
-  // Vertex 0 is used again and again, but is the oldest of a cache of three.
+TEST(VertexCache, FifoEvictsWhatLruKeeps) {
+  // Vertex 0 is used repeatedly, but it entered the cache of three first.
   const std::vector<std::uint32_t> indices{0, 1, 2, 0, 2, 3, 0, 3, 4};
   EXPECT_EQ(simulate_vertex_cache(indices, 5, CacheModel::lru, 3).misses, 5U);
   EXPECT_EQ(simulate_vertex_cache(indices, 5, CacheModel::fifo, 3).misses, 6U);
@@ -70,12 +70,12 @@ TEST(VertexCache, EqualsNaiveListsAndMeshoptimizer) {
   }
 }
 
-TEST(VertexCache, AtvrCountsOnlyVerticesInUse) {
+TEST(VertexCache, AtvrCountsOnlyUsedVertices) {
   EXPECT_DOUBLE_EQ(simulate_vertex_cache(std::vector<std::uint32_t>{7, 8, 9}, 100, CacheModel::fifo, 16).atvr,
                    1.0);
 }
 
-TEST(VertexCache, NothingAndNonsense) {
+TEST(VertexCache, AcceptsEmptyListsAndRejectsInvalidOnes) {
   EXPECT_EQ(simulate_vertex_cache({}, 0, CacheModel::fifo, 16).misses, 0U);
   EXPECT_THROW(simulate_vertex_cache({}, 0, CacheModel::fifo, 2), Error);
   EXPECT_THROW(simulate_vertex_cache(std::vector<std::uint32_t>{0, 1}, 2, CacheModel::fifo, 16), Error);

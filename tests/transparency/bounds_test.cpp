@@ -45,7 +45,7 @@ TEST(UnavoidableWeight, IsAtMostTheBestOfAllPermutations) {
       std::vector<std::uint32_t> sifted = testing::random_ranks(nodes, random);
       // From any order, also a bad one.
       EXPECT_LE(unavoidable_weight(rows, sifted), optimum + 1e-6);
-      sift(net_wishes(rows), {}, sifted);
+      sift(net_preferences(rows), {}, sifted);
       const double bound = unavoidable_weight(rows, sifted);
       EXPECT_LE(bound, optimum + 1e-6);
       EXPECT_LE(optimum, violated(edges, sifted) + 1e-6);

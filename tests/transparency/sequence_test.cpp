@@ -1,6 +1,4 @@
 // Sequences keep every constraint, draw all nodes once, and keep the vertex cache warm.
-#include "sequencing/sequence.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,10 +6,8 @@
 #include "order_helpers.h"
 #include "pellucid/metric.h"
 #include "pellucid/sequencing.h"
+#include "sequencing/cache_order.h"
 #include "sequencing/fifo_cache.h"
-#include "sequencing/gather_visits.h"
-#include "sequencing/list_schedule.h"
-#include "sequencing/tipsify.h"
 #include "transparency/cluster/budget.h"
 #include "transparency/order_problem.h"
 
@@ -59,25 +55,25 @@ double acmr_of(const Mesh& mesh, const NodeSequence& sequence) {
 // The ways from constraints to a sequence, under their names.
 struct Method {
   const char* name;
-  NodeSequence (*run)(const Mesh&, const SequenceConstraints&, std::span<const std::uint32_t>,
+  NodeSequence (*run)(const Mesh&, const OrderConstraints&, std::span<const std::uint32_t>,
                       std::span<const std::uint8_t>, std::uint32_t);
 };
 const Method kMethods[] = {
     {"tipsify", tipsify},
     {"list", list_schedule},
     {"list and search",
-     [](const Mesh& mesh, const SequenceConstraints& constraints, std::span<const std::uint32_t> ranks,
+     [](const Mesh& mesh, const OrderConstraints& constraints, std::span<const std::uint32_t> ranks,
         std::span<const std::uint8_t> drawn, std::uint32_t cache_size) {
        return gather_visits(mesh, constraints, list_schedule(mesh, constraints, ranks, drawn, cache_size),
                             cache_size);
      }},
     {"rank and search",
-     [](const Mesh& mesh, const SequenceConstraints& constraints, std::span<const std::uint32_t> ranks,
+     [](const Mesh& mesh, const OrderConstraints& constraints, std::span<const std::uint32_t> ranks,
         std::span<const std::uint8_t> drawn, std::uint32_t cache_size) {
-       return gather_visits(mesh, constraints, rank_sequence(ranks, drawn), cache_size);
+       return gather_visits(mesh, constraints, order_by_rank(ranks, drawn), cache_size);
      }}};
 
-void expect_in_order(const NodeSequence& sequence, const SequenceConstraints& constraints) {
+void expect_in_order(const NodeSequence& sequence, const OrderConstraints& constraints) {
   const std::vector<std::uint32_t> position = ranks_of(sequence, (constraints.offsets.size() - 1) / 2);
   for (NodeId node = 0; node + 1 < constraints.offsets.size(); ++node) {
     for (const NodeId follower : constraints.followers_of(node)) {
@@ -86,12 +82,12 @@ void expect_in_order(const NodeSequence& sequence, const SequenceConstraints& co
   }
 }
 
-SequenceConstraints unconstrained(std::size_t nodes) {
+OrderConstraints unconstrained(std::size_t nodes) {
   return {std::vector<std::uint32_t>(nodes + 1, 0), {}};
 }
 
 // Every node to the next one by rank.
-SequenceConstraints chain_of(const NodeSequence& sequence, std::size_t nodes) {
+OrderConstraints chain_of(const NodeSequence& sequence, std::size_t nodes) {
   testing::EdgeMap edges;
   for (std::size_t i = 0; i + 1 < sequence.size(); ++i) edges[{sequence[i], sequence[i + 1]}] = 1;
   const EdgeRows rows = testing::rows_of(static_cast<std::uint32_t>(nodes), edges);
@@ -99,7 +95,7 @@ SequenceConstraints chain_of(const NodeSequence& sequence, std::size_t nodes) {
 }
 
 // reached[u][v]: is there a path?
-std::vector<std::vector<bool>> closure_of(const SequenceConstraints& constraints) {
+std::vector<std::vector<bool>> closure_of(const OrderConstraints& constraints) {
   const std::size_t nodes = constraints.offsets.size() - 1;
   std::vector<std::vector<bool>> reached(nodes, std::vector<bool>(nodes, false));
   for (NodeId start = 0; start < nodes; ++start) {
@@ -125,7 +121,7 @@ Case torus_knot_case(const std::vector<std::uint32_t>& cells) {
   const OrderProblem problem = make_problem(c.mesh, {PartitionKind::viewpoints, 0, 0}, options, 0);
   c.edges = sum_cells(problem.graph, cells);
   c.ranks = ranks_by_key(depth_keys(c.mesh, problem.sphere, problem.partition, cells));
-  sift(net_wishes(c.edges), {}, c.ranks);
+  sift(net_preferences(c.edges), {}, c.ranks);
   c.drawn.assign(c.ranks.size(), 1);
   return c;
 }
@@ -136,7 +132,7 @@ TEST(Sequence, EveryMethodKeepsEveryConstraintAndDrawsAllOnce) {
     const Case c = random_case(
         seed % 2 == 0 ? testing::icosphere_mesh(2) : testing::random_soup(100, 0.2, seed), density, seed);
     const float least = seed % 3 == 0 ? 0.5F : 0.0F;
-    const SequenceConstraints constraints = agreeing_edges(c.edges, c.ranks, c.drawn, least);
+    const OrderConstraints constraints = agreeing_edges(c.edges, c.ranks, c.drawn, least);
     std::size_t expected = 0;
     for (const auto& [pair, weight] : testing::map_of(c.edges)) {
       const auto [u, v] = pair;
@@ -145,7 +141,7 @@ TEST(Sequence, EveryMethodKeepsEveryConstraintAndDrawsAllOnce) {
     }
     EXPECT_EQ(constraints.followers.size(), expected);
     EXPECT_GT(expected, 0U);
-    const SequenceConstraints reduced = without_implied(constraints, c.ranks, c.drawn);
+    const OrderConstraints reduced = without_implied(constraints, c.ranks, c.drawn);
     for (const Method& method : kMethods) {
       SCOPED_TRACE(method.name);
       for (const std::uint32_t cache_size : {3U, 20U}) {
@@ -161,8 +157,8 @@ TEST(Sequence, EveryMethodKeepsEveryConstraintAndDrawsAllOnce) {
 TEST(Sequence, WithoutImpliedKeepsTheClosureAndNothingElse) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Case c = random_case(testing::random_soup(60, 0.2, seed), 0.4 * static_cast<double>(seed), seed);
-    const SequenceConstraints all = agreeing_edges(c.edges, c.ranks, c.drawn, 0);
-    const SequenceConstraints reduced = without_implied(all, c.ranks, c.drawn);
+    const OrderConstraints all = agreeing_edges(c.edges, c.ranks, c.drawn, 0);
+    const OrderConstraints reduced = without_implied(all, c.ranks, c.drawn);
     const std::vector<std::vector<bool>> reached = closure_of(reduced);
     EXPECT_EQ(reached, closure_of(all));
     for (NodeId node = 0; node < c.drawn.size(); ++node) {
@@ -186,7 +182,7 @@ TEST(Sequence, WithoutImpliedOfALongChainIsTheChain) {
   std::vector<std::uint32_t> ranks(kNodes);
   std::iota(ranks.begin(), ranks.end(), 0U);
   const std::vector<std::uint8_t> drawn(kNodes, 1);
-  const SequenceConstraints reduced = without_implied({rows.offsets, rows.backs}, ranks, drawn);
+  const OrderConstraints reduced = without_implied({rows.offsets, rows.backs}, ranks, drawn);
   ASSERT_EQ(reduced.followers.size(), kNodes - 1);
   for (NodeId node = 0; node + 1 < kNodes; ++node) {
     EXPECT_EQ(reduced.followers_of(node).front(), node + 1);
@@ -210,11 +206,11 @@ TEST(Sequence, SearchNeverAddsMisses) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const Mesh mesh = seed % 2 == 0 ? testing::nested_spheres(2) : testing::icosphere_mesh(2);
     const Case c = random_case(mesh, 0.2 * static_cast<double>(seed), seed);
-    const SequenceConstraints constraints =
+    const OrderConstraints constraints =
         without_implied(agreeing_edges(c.edges, c.ranks, c.drawn, 0), c.ranks, c.drawn);
     for (const std::uint32_t size : {3U, 12U, 20U}) {
       for (const NodeSequence& start :
-           {rank_sequence(c.ranks, c.drawn), list_schedule(c.mesh, constraints, c.ranks, c.drawn, size)}) {
+           {order_by_rank(c.ranks, c.drawn), list_schedule(c.mesh, constraints, c.ranks, c.drawn, size)}) {
         EXPECT_LE(fifo_misses(c.mesh, gather_visits(c.mesh, constraints, start, size), size),
                   fifo_misses(c.mesh, start, size));
       }
@@ -224,12 +220,12 @@ TEST(Sequence, SearchNeverAddsMisses) {
 
 TEST(Sequence, BeatsTheRankOrderAndTipsifyInTheCache) {
   const Case c = torus_knot_case({3});
-  const double by_rank = acmr_of(c.mesh, rank_sequence(c.ranks, c.drawn));
-  SequenceOptions options;
+  const double by_rank = acmr_of(c.mesh, order_by_rank(c.ranks, c.drawn));
+  CacheOrderOptions options;
   options.method = CacheMethod::tipsify;
-  const double tipsified = acmr_of(c.mesh, cache_aware_sequence(c.mesh, c.edges, c.ranks, c.drawn, options));
+  const double tipsified = acmr_of(c.mesh, cache_aware_order(c.mesh, c.edges, c.ranks, c.drawn, options));
   options.method = CacheMethod::scheduled;
-  const NodeSequence scheduled = cache_aware_sequence(c.mesh, c.edges, c.ranks, c.drawn, options);
+  const NodeSequence scheduled = cache_aware_order(c.mesh, c.edges, c.ranks, c.drawn, options);
   expect_drawn_once(scheduled, c.drawn);
   expect_in_order(scheduled, agreeing_edges(c.edges, c.ranks, c.drawn, 0));
   EXPECT_LT(tipsified, 0.6 * by_rank);
@@ -247,9 +243,9 @@ TEST(Sequence, NeverMoreMissesThanByRank) {
       if (c.drawn[node] == 0) c.ranks[node] = next++;
     }
     for (const CacheMethod method : {CacheMethod::scheduled, CacheMethod::tipsify}) {
-      SequenceOptions options;
+      CacheOrderOptions options;
       options.method = method;
-      const NodeSequence sequence = cache_aware_sequence(c.mesh, c.edges, c.ranks, c.drawn, options);
+      const NodeSequence sequence = cache_aware_order(c.mesh, c.edges, c.ranks, c.drawn, options);
       EXPECT_LE(fifo_misses(c.mesh, sequence, 20), fifo_misses(c.mesh, good, 20));
     }
   }
@@ -261,10 +257,10 @@ TEST(Sequence, SlackBuysMissesAndIsNeverExceeded) {
   std::vector<std::uint64_t> misses;
   bool used = false;
   for (const double slack : {0.0, 1e-5, 1e-3, 100.0}) {
-    SequenceOptions options;
+    CacheOrderOptions options;
     options.least_binding = 1e-6F;
     options.slack = slack;
-    const NodeSequence sequence = cache_aware_sequence(c.mesh, c.edges, c.ranks, c.drawn, options);
+    const NodeSequence sequence = cache_aware_order(c.mesh, c.edges, c.ranks, c.drawn, options);
     expect_drawn_once(sequence, c.drawn);
     const double violated = violated_weight_of(c.edges, ranks_of(sequence, c.mesh.triangles.size()), c.drawn);
     EXPECT_LE(violated, least_violated + slack);
@@ -277,7 +273,7 @@ TEST(Sequence, SlackBuysMissesAndIsNeverExceeded) {
 
 TEST(Sequence, TwinsStandTogetherWhereNothingBinds) {
   const Case c = torus_knot_case({3});
-  const SequenceConstraints free = unconstrained(c.drawn.size());
+  const OrderConstraints free = unconstrained(c.drawn.size());
   for (const Method& method : kMethods) {
     EXPECT_LT(acmr_of(c.mesh, method.run(c.mesh, free, c.ranks, c.drawn, 20)), 0.45) << method.name;
   }
@@ -288,8 +284,8 @@ TEST(Sequence, TwinsStandTogetherWhereNothingBinds) {
 
 TEST(Sequence, AChainLeavesNoChoice) {
   const Case c = random_case(testing::icosphere_mesh(1), 1, 3);
-  const NodeSequence by_rank = rank_sequence(c.ranks, c.drawn);
-  const SequenceConstraints chain = chain_of(by_rank, c.drawn.size());
+  const NodeSequence by_rank = order_by_rank(c.ranks, c.drawn);
+  const OrderConstraints chain = chain_of(by_rank, c.drawn.size());
   for (const Method& method : kMethods) {
     EXPECT_EQ(method.run(c.mesh, chain, c.ranks, c.drawn, 20), by_rank) << method.name;
   }
@@ -306,7 +302,7 @@ TEST(Sequence, Fan) {
     if (i > 0) mesh.triangles.push_back({0, i, i + 1});
   }
   const Case c = random_case(mesh, 0.2, 9);
-  const SequenceConstraints constraints =
+  const OrderConstraints constraints =
       without_implied(agreeing_edges(c.edges, c.ranks, c.drawn, 0), c.ranks, c.drawn);
   for (const Method& method : kMethods) {
     SCOPED_TRACE(method.name);
@@ -317,14 +313,14 @@ TEST(Sequence, Fan) {
 }
 
 TEST(Sequence, ByRankAlone) {
-  EXPECT_EQ(rank_sequence(std::vector<std::uint32_t>{3, 1, 0, 2}, std::vector<std::uint8_t>{1, 1, 0, 1}),
+  EXPECT_EQ(order_by_rank(std::vector<std::uint32_t>{3, 1, 0, 2}, std::vector<std::uint8_t>{1, 1, 0, 1}),
             (NodeSequence{1, 3, 0}));
-  EXPECT_TRUE(rank_sequence({}, {}).empty());
+  EXPECT_TRUE(order_by_rank({}, {}).empty());
 }
 
 TEST(Sequence, NothingOrOneTriangle) {
   const Mesh mesh = testing::one_triangle();
-  const SequenceConstraints none = unconstrained(2);
+  const OrderConstraints none = unconstrained(2);
   const std::vector<std::uint32_t> ranks{1, 0};
   for (const Method& method : kMethods) {
     SCOPED_TRACE(method.name);
@@ -336,10 +332,10 @@ TEST(Sequence, NothingOrOneTriangle) {
   }
   EdgeRows no_edges;
   no_edges.offsets.assign(3, 0);
-  SequenceOptions options;
+  CacheOrderOptions options;
   options.slack = 1;
-  EXPECT_TRUE(cache_aware_sequence(mesh, no_edges, ranks, std::vector<std::uint8_t>{0, 0}, options).empty());
-  EXPECT_EQ(cache_aware_sequence(mesh, no_edges, ranks, std::vector<std::uint8_t>{1, 0}, options),
+  EXPECT_TRUE(cache_aware_order(mesh, no_edges, ranks, std::vector<std::uint8_t>{0, 0}, options).empty());
+  EXPECT_EQ(cache_aware_order(mesh, no_edges, ranks, std::vector<std::uint8_t>{1, 0}, options),
             NodeSequence{0});
 }
 

@@ -8,7 +8,7 @@
 #include "pellucid/sequencing.h"
 #include "pellucid/shading.h"
 #include "pellucid/transparency.h"
-#include "sequencing/strong_components.h"
+#include "sequencing/edge_rows.h"
 #include "transparency/graph/viewpoint_edges.h"
 
 namespace pellucid {

@@ -1,4 +1,4 @@
-// View partitions: counts, shared samples, neighbours, names, and the cell that holds a direction.
+// Tests view partitions: counts, shared samples, neighbours, names, and the cell that contains a direction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ double triple_product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return dot(a, cross(b, c));
 }
 
-// Solid angle of a spherical triangle (Van Oosterom and Strackee, 1983).
+// Returns the solid angle of a spherical triangle (Van Oosterom, Strackee, 1983).
 double solid_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return 2 * std::atan2(triple_product(a, b, c), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
@@ -40,7 +40,7 @@ std::string message_of(const std::string& text) {
   return "accepted";
 }
 
-TEST(Icosphere, HasTheCountsOfEveryLevel) {
+TEST(Icosphere, HasTheExpectedCountsAtEveryLevel) {
   for (std::uint32_t level = 0; level <= 6; ++level) {
     const Icosphere sphere = make_icosphere(level);
     EXPECT_EQ(sphere.vertices.size(), 10 * power_of_4(level) + 2);
@@ -49,7 +49,7 @@ TEST(Icosphere, HasTheCountsOfEveryLevel) {
   EXPECT_THROW(make_icosphere(10), Error);
 }
 
-TEST(Icosphere, IsAClosedOutwardTilingOfTheSphereByUnitVectors) {
+TEST(Icosphere, TilesTheSphereWithOutwardTriangles) {
   for (std::uint32_t level = 0; level <= 5; ++level) {
     const Icosphere sphere = make_icosphere(level);
     for (const Vec3d& v : sphere.vertices) EXPECT_NEAR(length(v), 1, 4e-16);
@@ -72,7 +72,7 @@ TEST(Icosphere, IsAClosedOutwardTilingOfTheSphereByUnitVectors) {
   }
 }
 
-TEST(Icosphere, ChildrenLieInTheirParentCornersFirst) {
+TEST(Icosphere, ChildrenLieInTheirParentWithCornersFirst) {
   const Icosphere coarse = make_icosphere(2);
   const Icosphere fine = make_icosphere(3);
   for (std::size_t f = 0; f < coarse.triangles.size(); ++f) {
@@ -95,14 +95,14 @@ TEST(Icosphere, HasOnlyAcuteTriangles) {
   }
 }
 
-TEST(Partition, S22IsThePapers) {
+TEST(Partition, S22HasTheCountsOfThePaper) {
   const ViewPartition partition = make_partition(sampled(2, 2));
   EXPECT_EQ(partition.cell_count(), 320U);
   EXPECT_EQ(partition.samples.size(), 2562U);
   for (std::uint32_t c = 0; c < partition.cell_count(); ++c) EXPECT_EQ(partition.samples_of(c).size(), 15U);
 }
 
-TEST(Partition, SampledTrianglesHaveTheCountsOfEveryLevel) {
+TEST(Partition, SampledTrianglesHaveTheExpectedCountsAtEveryLevel) {
   for (std::uint32_t n = 0; n <= 3; ++n) {
     for (std::uint32_t m = 0; m <= 3; ++m) {
       const ViewPartition partition = make_partition(sampled(n, m));
@@ -172,7 +172,7 @@ TEST(Partition, NeighborsAreSortedAndMutual) {
   }
 }
 
-TEST(Partition, CapsHoldTheirWholeRegionAndNotMuchMore) {
+TEST(Partition, CapsContainTheirCellsAndLittleMore) {
   const ViewPartition partition = make_partition(viewpoints(2));
   std::vector<double> farthest(partition.cell_count(), 1.0);
   Random random(11);
@@ -207,7 +207,7 @@ TEST(Partition, CornersBelongToTheLowestCellThatTouchesThem) {
   }
 }
 
-TEST(PartitionName, IsReadInAllItsSpellings) {
+TEST(PartitionName, IsParsedInAllForms) {
   EXPECT_EQ(parse_partition("S2,2"), sampled(2, 2));
   EXPECT_EQ(parse_partition("S[3,1]"), sampled(3, 1));
   EXPECT_EQ(parse_partition("s0,4"), sampled(0, 4));
@@ -225,7 +225,7 @@ TEST(PartitionName, SurvivesARoundTrip) {
   }
 }
 
-TEST(PartitionName, IsRefusedWithWhatIsAllowed) {
+TEST(PartitionName, IsRejectedWithTheAcceptedForms) {
   for (const char* text : {"",       "S",     "S2",  "S2,", "S2,5",  "S6,0", "S2;2",  "S[2,2",
                            "[S2,2]", "S2,2]", "P",   "P6",  "P-1",   "P10",  "P[2]]", "T6",
                            "R",      "T2,2",  "R[2", "Q2",  "S2,2 ", "[",    "P[",    "S\xc3\xa9,1"}) {
@@ -256,7 +256,7 @@ TEST(Partition, TrianglesAndRegionsHaveTheCellsAndSamplesOfS) {
   }
 }
 
-TEST(PartitionName, LevelsOutOfRangeAreRefusedWithoutTextToo) {
+TEST(PartitionName, LevelsOutOfRangeAreRejectedInSpecsToo) {
   EXPECT_THROW(make_partition(sampled(6, 0)), Error);
   EXPECT_THROW(make_partition(sampled(0, 5)), Error);
   EXPECT_THROW(make_partition(viewpoints(6)), Error);

@@ -1,7 +1,8 @@
-// What pellucid asks of the operating system: files, locks, memory, time and the terminal. posix.cpp and
-// windows.cpp implement it, and no other file of the library and the command line includes a system header.
+// The interface to the operating system: files, locks, memory, time and the terminal. posix.cpp and
+// windows.cpp implement it. No other file of the library or the command line includes a system header.
 //
-// Strings are UTF-8. Functions throw std::system_error with the system's reason unless they say otherwise.
+// Strings are UTF-8. Functions throw std::system_error with the reason of the system, unless stated
+// otherwise.
 #pragma once
 
 #include <atomic>
@@ -17,63 +18,64 @@ namespace pellucid::platform {
 
 // -------------------------------------------------------------------------------------------- file names
 
-// Returns the path that a string of the library names, for use with std::filesystem.
+// Converts a UTF-8 string to a path for std::filesystem.
 inline std::filesystem::path to_path(const std::string& utf8) {
   return std::u8string(utf8.begin(), utf8.end());
 }
 
-// Returns the string of the library that names a path.
+// Converts a path to a UTF-8 string.
 inline std::string to_utf8(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
   return {text.begin(), text.end()};
 }
 
-// Returns the folder for temporary files: $TMPDIR, else /tmp; on Windows what GetTempPath() says.
+// Returns the folder for temporary files: $TMPDIR or else /tmp on POSIX, the result of GetTempPath() on
+// Windows.
 std::string temporary_folder();
 
 enum class FileKind { missing, regular, folder, device };
 
-// Returns what a path leads to: `device` for everything that is written in place, such as pipes, and
-// `missing` also where the system does not say. Never throws.
+// Returns what a path leads to. `device` stands for everything that is written in place, including pipes.
+// Returns `missing` if the system cannot tell. Never throws.
 FileKind file_kind(const std::string& path);
 
-// Returns why this user may not write to a file or device, or make files in a folder; no error where they
-// may.
+// Returns the reason why the user may not write to a file or device or create files in a folder. Returns no
+// error if the user may.
 std::error_code write_refusal(const std::string& path);
 
-// Removes a folder if there is nothing in it. Never throws.
+// Removes a folder if it is empty. Never throws.
 void remove_empty_folder(const std::string& path);
 
 // ------------------------------------------------------------------------------------------------- files
 
-// An open file, which is closed with the object.
+// An open file. The destructor closes it.
 class File {
  public:
-  // Opens what is there for reading. Fails with is_a_directory for a folder.
+  // Opens an existing file for reading. Fails with is_a_directory for a folder.
   static File open_to_read(const std::string& path);
-  // Opens what is there for writing from its beginning.
+  // Opens an existing file for writing from its beginning.
   static File open_to_write(const std::string& path);
-  // Makes a file for writing. Fails with file_exists where there is one.
+  // Creates a file for writing. Fails with file_exists if the file exists.
   static File create_new(const std::string& path);
-  // Makes a file for reading and writing that is gone when it is closed or when the process ends, however
-  // that happens.
+  // Creates a file for reading and writing, which the system removes when it is closed or when the process
+  // ends in any way.
   static File create_temporary(const std::string& folder);
 
   File(File&& other) noexcept : handle_(std::exchange(other.handle_, kClosed)) {}
   File& operator=(File&&) = delete;
   ~File();
 
-  // Returns the size in bytes, 0 for pipes and devices.
+  // Returns the size in bytes, or 0 for pipes and devices.
   [[nodiscard]] std::uint64_t size() const;
-  // Reads some of the bytes that follow, and returns how many: 0 only at the end.
+  // Reads at most bytes.size() of the next bytes and returns how many were read. Returns 0 only at the end.
   [[nodiscard]] std::size_t read(std::span<std::byte> bytes);
-  // Writes all bytes where the last call has ended.
+  // Writes all bytes after those of the last call.
   void write(std::span<const std::byte> bytes);
-  // Reads and writes at `offset`, which may lie beyond 4 GiB. Several threads may do so at once. Reading
-  // fails with io_error where the file ends before all bytes are read.
+  // Read and write at `offset`, which may be beyond 4 GiB. Several threads may call them at once. Reading
+  // fails with io_error if the file ends before all bytes are read.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
-  // Returns once the disk has what was written.
+  // Waits until all written bytes are on the disk.
   void flush_to_disk();
 
  private:
@@ -83,12 +85,12 @@ class File {
   std::intptr_t handle_;  // a file descriptor, or a HANDLE of Windows
 };
 
-// A lock that one object at a time holds, in all processes. It is a file, which is made where there is none
-// and removed with the object. The system frees the lock of a process that ends without doing so.
+// A lock that only one object in all processes can hold. It is a file, which the constructor creates if
+// necessary and the destructor removes. The system releases the lock of a process that ends without doing so.
 class FileLock {
  public:
-  // Takes the lock. Fails with resource_unavailable_try_again where it is held. Where a file system of POSIX
-  // knows no locks, everybody gets it.
+  // Takes the lock. Fails with resource_unavailable_try_again if it is held. On a POSIX file system without
+  // locks it always succeeds.
   explicit FileLock(std::string path);
   ~FileLock();
   FileLock(const FileLock&) = delete;
@@ -101,20 +103,21 @@ class FileLock {
 
 // ----------------------------------------------------------------------------------------------- process
 
-// Returns the largest resident set of this process so far, 0 where the system does not say. Never throws.
+// Returns the largest resident set of this process so far, or 0 if the system does not report it. Never
+// throws.
 std::uint64_t peak_rss_bytes();
 
-// Returns for how long the calling thread has run on a processor, and the step in which this time advances:
-// about a nanosecond on Linux and macOS, 1/64 s on Windows. Never throws.
+// Return the processor time of the calling thread, and the resolution of this time: about a nanosecond on
+// Linux and macOS, 1/64 s on Windows. Never throw.
 double thread_cpu_seconds();
 double thread_cpu_step_seconds();
 
-// Returns whether standard error is a terminal that obeys control sequences. On Windows it is told to, if it
-// is a console. Never throws.
+// Returns whether standard error is a terminal that understands control sequences. On Windows, enables them
+// if it is a console. Never throws.
 bool stderr_is_terminal();
 
-// Sets `flag` when the user presses Ctrl-C (on POSIX also at SIGTERM) for the first time. The second time
-// ends the process, as if this function had not been called. `flag` has to live as long as the process.
+// Arranges that the first Ctrl-C (on POSIX also the first SIGTERM) sets `flag`. A second one ends the
+// process, as if this function had not been called. `flag` must exist as long as the process.
 void set_on_stop_signal(std::atomic<bool>& flag);
 
 }  // namespace pellucid::platform

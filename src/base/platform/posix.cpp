@@ -1,4 +1,4 @@
-// The operating system as POSIX has it, for Linux and macOS: see platform.h.
+// Implements platform.h on POSIX, for Linux and macOS.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
@@ -98,8 +98,8 @@ File File::open_to_write(const std::string& path) {
   return file;
 }
 
-// The user's umask applies to the mode. mkstemp() would give another mode, and the umask can be read only by
-// setting it, for all threads.
+// open() applies the umask of the user to the mode. mkstemp() would set another mode, and the umask can only
+// be read by changing it for all threads.
 File File::create_new(const std::string& path) {
   File file(::open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
   if (file.handle_ == kClosed) fail();
@@ -164,7 +164,7 @@ void File::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
 }
 
 void File::flush_to_disk() {
-  // EINVAL: there is no disk behind it.
+  // EINVAL means that no disk is behind the descriptor.
   if (::fsync(descriptor_of(handle_)) != 0 && errno != EINVAL) fail();
 }
 
@@ -177,8 +177,8 @@ FileLock::FileLock(std::string path) : path_(std::move(path)), handle_(-1) {
       ::close(descriptor);
       break;
     }
-    // The last holder may have removed the file between the two calls. Another file of this name would then
-    // be locked by somebody else.
+    // The last holder may have removed the file between the two calls. Then somebody else can lock a new file
+    // of this name, so try again.
     if (leads_to(path_, descriptor)) {
       handle_ = descriptor;
       return;

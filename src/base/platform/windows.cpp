@@ -1,4 +1,4 @@
-// The operating system as Win32 has it: see platform.h.
+// Implements platform.h on Win32.
 #define WIN32_LEAN_AND_MEAN
 #define NOMINMAX
 // clang-format off
@@ -16,8 +16,8 @@ namespace {
 constexpr DWORD kShareAll = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
 constexpr std::size_t kMostAtOnce = std::size_t{1} << 30U;
 
-// Returns the error with the number and text that POSIX has for it, where there is one: the texts of Windows
-// are translated, and not in UTF-8.
+// Converts an error to the POSIX error that stands for it, if there is one. The messages of Windows are
+// translated and are not in UTF-8.
 std::error_code to_code(DWORD error) {
   const std::error_code code(static_cast<int>(error), std::system_category());
   const std::error_condition known = code.default_error_condition();
@@ -37,7 +37,7 @@ HANDLE to_handle(std::intptr_t handle) {
   return reinterpret_cast<HANDLE>(handle);
 }
 
-// Closes a handle that only one function needs.
+// Closes a handle when it goes out of scope.
 class ScopedHandle {
  public:
   explicit ScopedHandle(HANDLE handle) : handle_(handle) {}
@@ -85,7 +85,7 @@ std::atomic<std::atomic<bool>*> stop_flag{nullptr};
 
 BOOL WINAPI raise_stop_flag(DWORD event) {
   if (event != CTRL_C_EVENT && event != CTRL_BREAK_EVENT) return FALSE;
-  // FALSE leaves the event to the system, which ends the process.
+  // FALSE passes the event on to the system, which ends the process.
   return stop_flag.load()->exchange(true) ? FALSE : TRUE;
 }
 
@@ -100,7 +100,7 @@ std::string temporary_folder() {
 }
 
 FileKind file_kind(const std::string& path) {
-  // To ask for no access works also where another process has the file for itself.
+  // Requesting no access works even if another process has opened the file exclusively.
   const ScopedHandle file(
       open(to_path(path).wstring(), 0, kShareAll, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS));
   if (!file.is_open()) return FileKind::missing;
@@ -112,7 +112,7 @@ FileKind file_kind(const std::string& path) {
 
 std::error_code write_refusal(const std::string& path) {
   const FileKind kind = file_kind(path);
-  if (kind == FileKind::device) return {};  // opening it may have effects
+  if (kind == FileKind::device) return {};  // opening a device may have side effects
   const bool is_folder = kind == FileKind::folder;
   const ScopedHandle file(open(to_path(path).wstring(), is_folder ? FILE_ADD_FILE : FILE_WRITE_DATA,
                                kShareAll, OPEN_EXISTING, is_folder ? FILE_FLAG_BACKUP_SEMANTICS : 0));
@@ -145,7 +145,7 @@ File File::create_new(const std::string& path) {
 
 File File::create_temporary(const std::string& folder) {
   std::wstring name(MAX_PATH, L'\0');
-  // This makes an empty file with a new name. The file is then opened again.
+  // This call creates an empty file with a new name. The file is then opened again.
   if (::GetTempFileNameW(to_path(folder).wstring().c_str(), L"pel", 0, name.data()) == 0) {
     fail(::GetLastError());
   }
@@ -167,7 +167,7 @@ std::uint64_t File::size() const {
 std::size_t File::read(std::span<std::byte> bytes) {
   DWORD got = 0;
   if (::ReadFile(to_handle(handle_), bytes.data(), size_of_step(bytes.size()), &got, nullptr) == 0) {
-    if (::GetLastError() == ERROR_BROKEN_PIPE) return 0;  // its other end has been closed
+    if (::GetLastError() == ERROR_BROKEN_PIPE) return 0;  // the other end has been closed
     fail(::GetLastError());
   }
   return got;
@@ -214,7 +214,7 @@ void File::flush_to_disk() {
   if (::FlushFileBuffers(to_handle(handle_)) == 0) fail(::GetLastError());
 }
 
-// A file that is opened without sharing is its own lock, and the system removes it with its last handle.
+// A file that is opened without sharing acts as a lock. The system removes it with its last handle.
 FileLock::FileLock(std::string path)
     : path_(std::move(path)),
       handle_(reinterpret_cast<std::intptr_t>(open(to_path(path_).wstring(),
@@ -245,7 +245,7 @@ double thread_cpu_seconds() {
   return seconds(kernel) + seconds(user);
 }
 
-// Times of threads advance with the interrupts of the system's clock.
+// The times of threads advance with the interrupts of the system clock.
 double thread_cpu_step_seconds() {
   DWORD adjustment = 0;
   DWORD interval = 0;

@@ -112,7 +112,7 @@ class AcyclicClustering {
     SiftOptions options;
     options.sweeps = 30;
     options.least_gain = 0;
-    sift(net_wishes(cell), options, ranks);
+    sift(net_preferences(cell), options, ranks);
     EdgeSet kept;
     kept.rows.push_back(0);
     for (NodeId front = 0; front < cell.node_count(); ++front) {

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "pellucid/sequencing.h"
 #include "pellucid/transparency.h"
-#include "sequencing/strong_components.h"
+#include "sequencing/edge_rows.h"
 #include "transparency/graph/viewpoint_edges.h"
 
 namespace pellucid {

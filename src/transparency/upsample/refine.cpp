@@ -7,8 +7,8 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
+#include "sequencing/cache_order.h"
 #include "sequencing/linear_order.h"
-#include "sequencing/sequence.h"
 #include "transparency/graph/viewpoint_edges.h"
 
 namespace pellucid {
@@ -120,7 +120,7 @@ class Refiner {
         options.movable = movable[cluster];
         options.progress = options_.progress;
         options.step = kStep;
-        sift(net_wishes(known[cluster]), options, ranks_[cluster]);
+        sift(net_preferences(known[cluster]), options, ranks_[cluster]);
       });
       record(options_.records, name, ranks_);
     }
@@ -249,7 +249,7 @@ class Numbering {
 // Consecutive nodes, rearranged for the vertex cache as a mesh of their own, so that a run costs what it
 // holds.
 NodeSequence sequence_of_run(const Mesh& mesh, const EdgeRows& edges, std::span<const NodeId> run,
-                             std::span<const std::uint32_t> ranks, const SequenceOptions& options) {
+                             std::span<const std::uint32_t> ranks, const CacheOrderOptions& options) {
   Numbering triangles;
   Numbering vertices;
   Mesh local;
@@ -282,7 +282,7 @@ NodeSequence sequence_of_run(const Mesh& mesh, const EdgeRows& edges, std::span<
     rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
   }
 
-  NodeSequence sequence = cache_aware_sequence(local, rows, local_ranks, drawn, options);
+  NodeSequence sequence = cache_aware_order(local, rows, local_ranks, drawn, options);
   for (NodeId& node : sequence) node = node_of(triangles.things()[triangle_of(node)], is_flipped(node));
   return sequence;
 }
@@ -306,8 +306,8 @@ std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphe
 }
 
 NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::span<const std::uint32_t> ranks,
-                               std::span<const std::uint8_t> drawn, const SequenceOptions& options) {
-  const NodeSequence by_rank = rank_sequence(ranks, drawn);
+                               std::span<const std::uint8_t> drawn, const CacheOrderOptions& options) {
+  const NodeSequence by_rank = order_by_rank(ranks, drawn);
   const std::size_t window = refine_window(ranks.size());
   const std::size_t runs = (by_rank.size() + window - 1) / window;
   NodeSequence sequence(by_rank.size());

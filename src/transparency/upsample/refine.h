@@ -12,7 +12,7 @@
 #include "pellucid/sequencing.h"
 #include "pellucid/transparency.h"
 #include "pellucid/view.h"
-#include "sequencing/sequence.h"
+#include "sequencing/cache_order.h"
 #include "transparency/graph/occlusion_graph.h"
 #include "transparency/run_records.h"
 
@@ -43,6 +43,6 @@ std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphe
 // The nodes with drawn[node] != 0 by rank, rearranged for the vertex cache inside runs of refine_window()
 // ranks, where all edges are known.
 NodeSequence windowed_sequence(const Mesh& mesh, const EdgeRows& edges, std::span<const std::uint32_t> ranks,
-                               std::span<const std::uint8_t> drawn, const SequenceOptions& options);
+                               std::span<const std::uint8_t> drawn, const CacheOrderOptions& options);
 
 }  // namespace pellucid

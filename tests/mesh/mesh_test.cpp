@@ -1,27 +1,124 @@
-// check, clean and weld_by_position on literal meshes, and against plain reference counts on random ones.
+// Tests pellucid/mesh.h except for the samples: bounds and normals, welding, checking, cleaning and
+// simplification, on literal meshes, at the ends of the float32 range, and against simple reference code on
+// random meshes.
+#include "pellucid/mesh.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "meshes.h"
-#include "pellucid/mesh.h"
 
 namespace pellucid {
 namespace {
 
 using testing::kInfinity;
 using testing::kNaN;
+using testing::volume;
+
+// ---------------------------------------------------------------------------------------- bounds and normals
+
+TEST(BoundingSphere, OfAnEmptyMeshIsAPointAtTheOrigin) {
+  EXPECT_EQ(bounding_sphere({}).radius, 0);
+  EXPECT_EQ(bounding_sphere({}).center, (Vec3d{}));
+  EXPECT_EQ(bounding_sphere({{{5, 5, 5}}, {}, {}}).radius, 0);
+  EXPECT_EQ(bounding_sphere({{{kNaN, 0, 0}}, {}, {{0, 0, 0}}}).radius, 0);
+}
+
+TEST(BoundingSphere, HasTheCentreOfTheBoxAndReachesTheFarthestCorner) {
+  const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 2, 0}}, {}, {{0, 1, 2}}};
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  EXPECT_EQ(sphere.center, (Vec3d{2, 1, 0}));
+  EXPECT_DOUBLE_EQ(sphere.radius, std::sqrt(5.0));
+}
+
+TEST(BoundingSphere, IgnoresUnusedNonFiniteAndOutOfRangeVertices) {
+  Mesh mesh{{{-1, 0, 0}, {1, 0, 0}, {0, 0.5F, 0}, {99, 99, 99}, {kNaN, 0, 0}, {0, -kInfinity, 0}},
+            {},
+            {{0, 1, 2}, {0, 1, 4}, {5, 1, 2}, {0, 1, 77}}};
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  EXPECT_EQ(sphere.center, (Vec3d{0, 0.25, 0}));
+  EXPECT_DOUBLE_EQ(sphere.radius, std::hypot(1.0, 0.25));
+}
+
+TEST(BoundingSphere, IsPreciseAtTheEndsOfTheFloatRange) {
+  for (const double scale : {1e-44, 1e-38, 1e-20, 1.0, 1e20, 3e38}) {
+    const auto s = static_cast<float>(scale);
+    const Mesh mesh{{{-s, 0, 0}, {s, 0, 0}, {0, s, 0}}, {}, {{0, 1, 2}}};
+    const double expected = std::hypot(static_cast<double>(s), static_cast<double>(s) / 2);
+    EXPECT_NEAR(bounding_sphere(mesh).radius, expected, 1e-12 * expected) << scale;
+  }
+}
+
+TEST(BoundingSphere, ContainsAllRandomPointsAndTouchesOne) {
+  Random random(5);
+  Mesh mesh;
+  for (std::uint32_t v = 0; v < 300; ++v) {
+    mesh.positions.push_back(to_float(random.direction() * random.uniform(0.0, 7.0)));
+    mesh.triangles.push_back({v, v, v});
+  }
+  const BoundingSphere sphere = bounding_sphere(mesh);
+  double farthest = 0;
+  for (const Vec3f& p : mesh.positions) farthest = std::fmax(farthest, length(to_double(p) - sphere.center));
+  EXPECT_EQ(sphere.radius, farthest);
+}
+
+TEST(TriangleNormal, FollowsTheWindingAndIsUnit) {
+  const Mesh mesh{{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {4, 0, 0}, {kNaN, 0, 0}},
+                  {},
+                  {{0, 1, 2}, {0, 2, 1}, {0, 1, 3}, {0, 1, 4}}};
+  EXPECT_EQ(triangle_normal(mesh, 0), (Vec3d{0, 0, 1}));
+  EXPECT_EQ(triangle_normal(mesh, 1), (Vec3d{0, 0, -1}));
+  EXPECT_EQ(triangle_normal(mesh, 2), (Vec3d{}));
+  EXPECT_EQ(triangle_normal(mesh, 3), (Vec3d{}));
+}
+
+TEST(TriangleNormal, OfAnInfiniteTriangleIsZero) {
+  const Mesh mesh{{{0, 0, 0}, {kInfinity, 0, 0}, {1, 1, 1}}, {}, {{0, 1, 2}}};
+  EXPECT_EQ(triangle_normal(mesh, 0), (Vec3d{}));
+}
+
+TEST(TriangleNormal, IsUnitAtTheEndsOfTheFloatRange) {
+  for (const float s : {1e-44F, 1e-38F, 1e38F}) {
+    const Mesh mesh{{{0, 0, 0}, {s, 0, 0}, {0, s, s}}, {}, {{0, 1, 2}}};
+    EXPECT_NEAR(length(triangle_normal(mesh, 0)), 1.0, 1e-12) << s;
+  }
+}
+
+TEST(VertexNormals, AreWeightedByAreaAndSeparateAtSeams) {
+  // Vertex 0 belongs to a triangle of area 2 that faces +z and to one of area 1/2 that faces +x. Vertex 5 has
+  // the same position but belongs only to the second triangle.
+  const Mesh mesh{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {9, 9, 9}},
+                  {},
+                  {{0, 1, 2}, {0, 3, 4}, {5, 3, 4}, {0, 1, 77}}};
+  const std::vector<Vec3f> normals = vertex_normals(mesh);
+  ASSERT_EQ(normals.size(), mesh.positions.size());
+  const Vec3d expected = normalized(Vec3d{0.5, 0, 2});
+  EXPECT_NEAR(normals[0].x, expected.x, 1e-6);
+  EXPECT_NEAR(normals[0].z, expected.z, 1e-6);
+  EXPECT_EQ(normals[5], (Vec3f{1, 0, 0}));
+  EXPECT_EQ(normals[6], (Vec3f{}));
+}
+
+TEST(VertexNormals, IgnoreTrianglesWithNaN) {
+  const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNaN, 0, 0}}, {}, {{0, 1, 2}, {0, 1, 3}}};
+  EXPECT_EQ(vertex_normals(mesh)[0], (Vec3f{0, 0, 1}));
+  EXPECT_EQ(vertex_normals(mesh)[3], (Vec3f{}));
+}
+
+// ---------------------------------------------------------------------------- checking, cleaning and welding
 
 Mesh tetrahedron() {
   return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
-TEST(Check, EmptyMeshHasNothingAndIsNotClosed) {
+TEST(Check, EmptyMeshHasNoDefectsAndIsNotClosed) {
   const MeshReport report = check({});
   EXPECT_EQ(report.vertices, 0U);
   EXPECT_EQ(report.triangles, 0U);
@@ -41,7 +138,7 @@ TEST(Check, TetrahedronIsClosed) {
   EXPECT_EQ(report.degenerate + report.duplicate + report.non_finite + report.out_of_range, 0U);
 }
 
-TEST(Check, EveryDefectCountsOnceUnderTheFirstThatFits) {
+TEST(Check, CountsEachTriangleUnderItsFirstDefect) {
   Mesh mesh = tetrahedron();
   mesh.positions.push_back({kNaN, 0, 0});       // 4
   mesh.positions.push_back({0, kInfinity, 0});  // 5
@@ -93,8 +190,8 @@ Mesh random_mesh(Random& random) {
   return mesh;
 }
 
-// Plain maps over positions instead of welded indices and sorted keys.
-TEST(Check, AgreesWithMapsOverPositions) {
+// The reference uses maps over positions instead of welded indices and sorted keys.
+TEST(Check, AgreesWithReferenceCountsOnRandomMeshes) {
   using Point = std::array<float, 3>;
   Random random(7);
   for (int round = 0; round < 300; ++round) {
@@ -140,7 +237,7 @@ TEST(Check, AgreesWithMapsOverPositions) {
   }
 }
 
-TEST(Clean, DropsWhatDrawsNothingAndKeepsOrderVerticesAndDuplicates) {
+TEST(Clean, RemovesOnlyTrianglesThatDrawNothing) {
   Mesh mesh = tetrahedron();
   mesh.triangles.insert(mesh.triangles.begin() + 1, {0, 0, 1});
   mesh.triangles.push_back({1, 0, 2});  // triangle 0 again
@@ -176,12 +273,12 @@ std::string strict_refusal(const Mesh& mesh, DuplicatePolicy duplicates) {
   return "";
 }
 
-TEST(Clean, StrictRefusesAndSaysWhy) {
+TEST(Clean, StrictThrowsAndListsTheDefects) {
   Mesh mesh = tetrahedron();
   mesh.triangles.push_back({1, 0, 2});
   EXPECT_EQ(strict_refusal(mesh, DuplicatePolicy::keep), "");
   EXPECT_EQ(strict_refusal(mesh, DuplicatePolicy::drop),
-            "cup.obj: strict checking refuses these of 5 triangles: 1 doubled");
+            "cup.obj: strict checking refuses these of 5 triangles: 1 duplicate");
   mesh.positions.push_back({kNaN, 0, 0});
   mesh.triangles.push_back({0, 1, 4});
   mesh.triangles.push_back({0, 1, 5});
@@ -192,7 +289,7 @@ TEST(Clean, StrictRefusesAndSaysWhy) {
       "infinite corner, 1 without area");
 }
 
-TEST(Weld, FirstVertexWithTheSamePosition) {
+TEST(Weld, FindsTheFirstVertexAtEachPosition) {
   const std::vector<Vec3f> positions{{1, 2, 3}, {0, 0, 0}, {1, 2, 3}, {-0.0F, 0, -0.0F}, {3, 2, 1}};
   EXPECT_THAT(weld_by_position(positions), ::testing::ElementsAre(0, 1, 0, 1, 4));
   EXPECT_TRUE(weld_by_position({}).empty());
@@ -210,6 +307,79 @@ TEST(Weld, AgreesWithAMapOnRandomPoints) {
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     const auto& p = positions[v];
     ASSERT_EQ(weld[v], first.try_emplace({p.x, p.y, p.z + 0.0F}, v).first->second);
+  }
+}
+
+// -------------------------------------------------------------------------------------------- simplification
+
+TEST(Simplify, ReachesTheTargetAndKeepsTheShape) {
+  const Mesh knot = make_sample("torus-knot").front().mesh;
+  for (const std::uint32_t target : {4000U, 2000U}) {
+    const Mesh simple = simplify(knot, target);
+    EXPECT_LE(simple.triangles.size(), target);
+    EXPECT_GE(simple.triangles.size(), target * 9 / 10);
+    EXPECT_NEAR(volume(simple), volume(knot), 0.05 * volume(knot));
+    const MeshReport report = check(simple);
+    EXPECT_TRUE(report.closed());
+    EXPECT_EQ(report.unreferenced_vertices + report.degenerate, 0U);
+    EXPECT_EQ(simple.normals.size(), simple.positions.size());
+  }
+}
+
+TEST(Simplify, IsDeterministic) {
+  const Mesh knot = make_sample("torus-knot").front().mesh;
+  const Mesh a = simplify(knot, 1500);
+  const Mesh b = simplify(knot, 1500);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+
+TEST(Simplify, DoesNotOpenSeams) {
+  // Give every triangle its own vertices, as in an STL file.
+  const Mesh shell = make_sample("nested-shells").front().mesh;
+  Mesh soup;
+  for (const Triangle& t : shell.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    for (const std::uint32_t v : t) soup.positions.push_back(shell.positions[v]);
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  const Mesh simple = simplify(soup, 500);
+  EXPECT_LE(simple.triangles.size(), 500U);
+  EXPECT_TRUE(check(simple).closed());
+  EXPECT_TRUE(simple.normals.empty());
+}
+
+TEST(Simplify, OnlyCleansMeshesBelowTheTarget) {
+  const Mesh mesh{
+      {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNaN, 0, 0}}, {}, {{1, 2, 3}, {1, 2, 4}, {1, 1, 2}}};
+  const Mesh simple = simplify(mesh, 100);
+  EXPECT_EQ(simple.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  EXPECT_EQ(simple.triangles, (std::vector<Triangle>{{0, 1, 2}}));
+  EXPECT_TRUE(simplify({}, 10).triangles.empty());
+  EXPECT_TRUE(simplify(mesh, 0).triangles.empty());
+}
+
+TEST(Simplify, ReachesTheTargetOnACloudOfSmallParts) {
+  Random random(1);
+  Mesh cloud;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const Vec3d center = random.direction();
+    for (int corner = 0; corner < 3; ++corner) {
+      cloud.positions.push_back(to_float(center + random.direction() * 0.05));
+    }
+    cloud.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  EXPECT_LE(simplify(cloud, 200).triangles.size(), 200U);
+}
+
+TEST(Simplify, WorksAtTheEndsOfTheFloatRange) {
+  const Mesh knot = make_sample("torus-knot").front().mesh;
+  for (const float scale : {1e-37F, 1e37F}) {
+    Mesh scaled = knot;
+    for (Vec3f& p : scaled.positions) p = p * scale;
+    const Mesh simple = simplify(scaled, 2000);
+    EXPECT_LE(simple.triangles.size(), 2000U);
+    EXPECT_GE(simple.triangles.size(), 1800U);
   }
 }
 

@@ -1,18 +1,21 @@
-// pellucid/scene.h - module `scene`: what a model draws at a moment of an animation.
+// pellucid/scene.h - module `scene`: what a model draws, with its poses, surfaces and cameras.
 //
 // In: a Model. Out: one list of triangles for all that its scene draws, and its vertices in scene space (that
 // of the default glTF scene) at rest and at any time of any clip: node animation, skins, morph targets, and
 // Loop subdivision on demand. Format: glTF 2.0, sections 3.5, 3.7.3, 3.11 and appendix C.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pellucid/asset.h"
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
+#include "pellucid/sampling.h"
 
 namespace pellucid {
 
@@ -69,6 +72,44 @@ class PosableModel {
 
  private:
   std::shared_ptr<const PosableData> data_;
+};
+
+// --------------------------------------------------------------------------------- what a renderer draws
+
+// Rows from the upper left, where texture coordinates are 0; four bytes a texel: sRGB colour and linear
+// opacity, not premultiplied.
+struct Texture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;
+  TextureSampling sampling{};
+};
+// What all textures of a scene take on the device, with their smaller levels: of larger ones the largest are
+// halved until they fit.
+constexpr std::uint64_t kMostTextureBytes = std::uint64_t{64} << 20U;
+
+struct Surface {
+  Vec3f color{1, 1, 1};  // linear
+  float alpha = 0.5F;    // opacity of a sheet that is seen head-on
+  bool double_sided = true;
+  // Where an effect blends, opaque surfaces are not captured: they are drawn first, and fragments at their
+  // depth or behind it are none. Their alpha is taken for 1.
+  bool opaque = false;
+  std::optional<std::uint32_t> texture{};  // index into RenderScene::textures; multiplies colour and alpha
+  float cutoff = 0;  // where colours of vertices and texture leave less opacity than this, nothing is drawn
+};
+
+struct RenderScene {
+  std::vector<Vec3f> positions;  // world space
+  std::vector<Vec3f> normals;    // one per position; zero: the face's
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> objects;  // of every triangle: index into `surfaces`
+  std::vector<Surface> surfaces;
+  std::vector<std::array<float, 2>> texcoords;  // one per position; empty: nothing has a texture
+  std::vector<std::array<float, 4>> colors;     // one per position, multiply those of surfaces; empty: all 1
+  std::vector<Texture> textures;
+  // Drawing sequence of the triangles; empty: as they are. Fragment ids refer to `triangles` all the same.
+  // Opaque surfaces that are drawn first have a sequence of their own.
+  std::vector<std::uint32_t> sequence;
 };
 
 }  // namespace pellucid

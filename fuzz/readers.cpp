@@ -10,7 +10,7 @@
 
 #include "asset/obj_material.h"
 #include "base/record.h"
-#include "camera_path.h"
+#include "camera_options.h"
 #include "input_file.h"
 #include "pellucid/animation.h"
 #include "pellucid/asset.h"

@@ -6,9 +6,9 @@
 #include <optional>
 #include <set>
 
-#include "cleaned.h"
+#include "camera_options.h"
 #include "pellucid/report.h"
-#include "scene.h"
+#include "pellucid/scene.h"
 #include "session.h"
 #include "terminal_progress.h"
 

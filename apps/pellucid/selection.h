@@ -22,8 +22,4 @@ struct Selection {
 // Throws Error{nothing_to_do} when nothing is left, Error{bad_argument} for a material that the file has not.
 Selection select_primitives(const Model& model, const SelectionOptions& options);
 
-inline bool is_gltf(const Model& model) {
-  return model.format == "gltf" || model.format == "glb";
-}
-
 }  // namespace pellucid::cli

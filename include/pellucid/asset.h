@@ -72,6 +72,10 @@ struct Model {
   std::shared_ptr<const GltfDocument> document;  // null for other formats
 };
 
+inline bool is_gltf(const Model& model) {
+  return model.format == "gltf" || model.format == "glb";
+}
+
 struct ReadOptions {
   // Refuse before allocating when a header or accessor asks for more than this many vertices or triangles.
   std::uint64_t max_elements = 1ULL << 28U;

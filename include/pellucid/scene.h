@@ -1,8 +1,9 @@
 // pellucid/scene.h - module `scene`: what a model draws, with its poses, surfaces and cameras.
 //
-// In: a Model. Out: one list of triangles for all that its scene draws, and its vertices in scene space (that
-// of the default glTF scene) at rest and at any time of any clip: node animation, skins, morph targets, and
-// Loop subdivision on demand. Format: glTF 2.0, sections 3.5, 3.7.3, 3.11 and appendix C.
+// In: a Model. Out: its triangles in scene space (that of the default glTF scene) at rest and at any time of
+// any clip (node animation, skins, morph targets, Loop subdivision on demand), what a renderer draws of them,
+// in which order, and the cameras of the file. Format: glTF 2.0, sections 3.5, 3.7.3, 3.10, 3.11 and appendix
+// C.
 #pragma once
 
 #include <array>
@@ -15,9 +16,15 @@
 #include "pellucid/asset.h"
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
+#include "pellucid/raster.h"
 #include "pellucid/sampling.h"
+#include "pellucid/sequencing.h"
+#include "pellucid/shading.h"
+#include "pellucid/view.h"
 
 namespace pellucid {
+
+// ----------------------------------------------------------------------------------------- models in motion
 
 // One drawn instance of a primitive: its triangles and vertices are a run of the model's, up to those of the
 // next part.
@@ -74,6 +81,67 @@ class PosableModel {
   std::shared_ptr<const PosableData> data_;
 };
 
+// --------------------------------------------------------------------------------- a whole file as one mesh
+
+// A primitive as it is measured and drawn: clean, its orders (if any) referring to the clean mesh.
+struct CleanPrimitive {
+  Mesh mesh;
+  std::optional<OrderSet> orders;           // for transparency
+  std::optional<OrderSet> overdraw_orders;  // for opaque faces
+};
+CleanPrimitive clean_primitive(const Primitive& primitive);
+
+// Returns whether the primitive has orders that promise right images of translucent faces; overdraw orders do
+// not.
+bool has_transparency_orders(const Primitive& primitive);
+
+struct SceneObject {
+  std::uint32_t primitive = 0;       // index into Scene::primitives
+  std::uint32_t first_triangle = 0;  // of Scene::mesh
+  std::uint32_t first_vertex = 0;
+  std::uint32_t instance = 0;  // index into Model::instances
+  bool mirrored = false;       // its triangles were turned
+  Mat4 local_from_world;
+  Vec3d center;  // of its bounding sphere, in the world
+};
+
+struct Scene {
+  std::vector<CleanPrimitive> primitives;
+  std::vector<bool> culled;  // one per primitive: back faces are not drawn
+  std::vector<SceneObject> objects;
+  Mesh mesh;              // all objects in world space, mirrored ones turned right
+  BoundingSphere sphere;  // of `mesh`
+};
+// Places all instances of the model at rest. Throws Error{nothing_to_do} when no triangle is drawn,
+// Error{bad_input} for a world matrix without inverse. O(vertices + triangles).
+Scene make_scene(const Model& model);
+
+// How triangles within an object are ordered.
+enum class DrawOrder {
+  buffers,   // by the in-depth buffer for the object's own local view; as stored where it has none
+  original,  // as stored
+  centroid,  // all triangles of the scene sorted by their centroids
+};
+// Returns the rank of every node of Scene::mesh (kNoRank: not drawn). Objects come front to back by their
+// centres. `viewpoint` is that of the camera, for `centroid`.
+std::vector<std::uint32_t> scene_ranks(const Scene& scene, DrawOrder order, const Camera& camera,
+                                       const Viewpoint& viewpoint);
+
+// Returns the fragments that are drawn: without back faces of culled primitives.
+FragmentBuffer scene_fragments(const Scene& scene, const Camera& camera);
+
+// Moves the vertices of `scene`, which is that of `model`, to where they are at `time` (seconds) of the
+// animation of that name or number, with normals to match; without a name to where skins and morph targets
+// have them at rest. Returns the number of the animation, if there is a name. Throws Error{bad_argument} for
+// an animation that is not there.
+std::optional<std::uint32_t> pose_scene(const Model& model, const std::string& animation, double time,
+                                        Scene& scene);
+
+// Returns the camera of that name or number of the model, with its near and far planes fitted to the sphere.
+// Throws Error{bad_argument} for a camera that is not there, Error{bad_input} for one without a direction.
+Camera file_camera(const Model& model, const std::string& name, const BoundingSphere& sphere,
+                   std::uint32_t width, std::uint32_t height);
+
 // --------------------------------------------------------------------------------- what a renderer draws
 
 // Rows from the upper left, where texture coordinates are 0; four bytes a texel: sRGB colour and linear
@@ -111,5 +179,28 @@ struct RenderScene {
   // Opaque surfaces that are drawn first have a sequence of their own.
   std::vector<std::uint32_t> sequence;
 };
+
+enum class Surfaces {
+  uniform,  // all of one colour and opacity
+  file      // the file's materials: colours, textures, alpha modes
+};
+
+// Returns what a renderer draws of `scene`, which is that of `model`: one object for each of its objects.
+// `look` is that of uniform surfaces, and of primitives of which the file says nothing. `notes`, where given,
+// receives what could not be read. Throws as read_materials does.
+RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces,
+                              const SurfaceLook& look, std::vector<std::string>* notes = nullptr);
+
+// At rest, or at a time of an animation of the file.
+struct ScenePose {
+  std::optional<std::uint32_t> animation;
+  double time = 0;  // seconds
+};
+
+// Returns the order in which the file's orders draw the triangles for a camera; empty where it has none.
+// Objects with overdraw orders come first, by the ranks of these, the others front to back. In-depth orders
+// are not for poses. A triangle comes where the side that faces the camera does, and last where no order has
+// it.
+std::vector<std::uint32_t> drawing_order(const Scene& scene, const Camera& camera, const ScenePose& pose);
 
 }  // namespace pellucid

@@ -1,15 +1,21 @@
-// A model file as what overdraw orders are made for, and these orders as what is written.
+// pellucid/overdraw_subject.h - module `scene`: a model file as what overdraw orders are made for.
+//
+// In: a Model and which of its animations count. Out: its opaque triangles in all key frames, as measured and
+// ordered by pellucid/overdraw.h, and the orders of that as what write_model() stores.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pellucid/asset.h"
-#include "pellucid/overdraw_report.h"
+#include "pellucid/baseline.h"
+#include "pellucid/metric.h"
+#include "pellucid/overdraw.h"
 #include "pellucid/scene.h"
 
-namespace pellucid::cli {
+namespace pellucid {
 
 enum class SidesChoice { automatic, single, both };
 
@@ -49,4 +55,4 @@ PosesBetween poses_between(const Model& model, const PosedSubject& posed, const 
 std::vector<OrderedPrimitive> ordered_primitives(const PosedSubject& posed, const OverdrawSets& sets,
                                                  const OverdrawOptions& options);
 
-}  // namespace pellucid::cli
+}  // namespace pellucid

@@ -13,7 +13,6 @@
 #include "deep_pixels.h"
 #include "pellucid/compare_report.h"
 #include "pellucid/report.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {

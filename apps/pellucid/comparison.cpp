@@ -9,7 +9,6 @@
 #include <set>
 
 #include "capture_options.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "base/platform/platform.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
@@ -130,20 +129,23 @@ class Batch {
 }  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
-  command.add_option("MODEL", options.inputs, "glTF, GLB, PLY, OBJ, STL or OFF; several: into OUTDIR/")
-      ->type_name("");
-  command.add_option("--list", options.list, "Also the models that FILE names, one a line (# comments)")
-      ->type_name("FILE")
-      ->group("Long runs and many files");
+  const char* group = "Long runs and many files";
   command
-      .add_option("--checkpoint", options.checkpoint,
-                  "Keep finished parts in DIR, continue from what is there")
+      .add_option("MODEL", options.inputs,
+                  "Model to read: glTF, GLB, PLY, OBJ, STL or OFF; several are written into OUTDIR/")
+      ->type_name("");
+  command
+      .add_option("--model-list", options.list,
+                  "Order also the models that FILE names, one per line; lines that begin with # are skipped")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--checkpoint", options.checkpoint, "Keep finished parts in DIR and continue from them")
       ->type_name("DIR")
-      ->group("Long runs and many files");
+      ->group(group);
   command
       .add_flag("--skip-existing", options.skip_existing,
-                "Leave outputs that are there and not older than their model")
-      ->group("Long runs and many files");
+                "Skip models whose output exists and is not older than the model")
+      ->group(group);
 }
 
 bool is_up_to_date(const BatchJob& job) {

@@ -16,7 +16,6 @@
 #include "pellucid/report.h"
 #include "pellucid/scene.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {

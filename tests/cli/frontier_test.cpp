@@ -15,7 +15,7 @@ class Frontier : public ::testing::Test {
   }
 
   [[nodiscard]] Finished order(const Arguments& more) const {
-    Arguments arguments{"order", knot_, "--views", "S0,1", "--distances", "2,inf", "--validate", "0"};
+    Arguments arguments{"order", knot_, "--partition", "S0,1", "--distances", "2,inf", "--check-views", "0"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_pellucid(arguments);
   }

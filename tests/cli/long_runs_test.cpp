@@ -51,11 +51,11 @@ const std::string& knot() {
   return kMade.path;
 }
 
-const Arguments kBudget{"--views", "S0,0", "--distances", "3", "--buffers", "2", "--validate", "2"};
-const Arguments kAcyclic{"--views", "S0,0",        "--distances", "3",          "--method",
-                         "acyclic", "--tolerance", "0.01",        "--validate", "2"};
-const Arguments kUpsampled{"--views",         "S0,0", "--distances", "3", "--buffers",  "2",
-                           "--upsample-from", "150",  "--refine",    "2", "--validate", "2"};
+const Arguments kBudget{"--partition", "S0,0", "--distances", "3", "--buffers", "2", "--check-views", "2"};
+const Arguments kAcyclic{"--partition", "S0,0", "--distances",   "3", "--method", "acyclic",
+                         "--tolerance", "0.01", "--check-views", "2"};
+const Arguments kUpsampled{"--partition",     "S0,0", "--distances", "3", "--buffers",     "2",
+                           "--upsample-from", "150",  "--refine",    "2", "--check-views", "2"};
 
 TEST(LongRuns, KilledRunsContinueToTheSameBytes) {
   for (const Arguments& options : {kAcyclic, kUpsampled}) {

@@ -163,7 +163,7 @@ TEST(MeasureCommand, RefusesRivalsThatItDoesNotKnow) {
 
 TEST(MeasureCommand, RefusesDistancesThatMakeNoSense) {
   for (const char* distances : {"5,2", "0.5,2", "2", "2,inf", "a,b", "2,5x"}) {
-    const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--distances", distances}));
+    const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--distance-range", distances}));
     EXPECT_EQ(done.code, 2) << distances << ": " << done.err;
     EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   }

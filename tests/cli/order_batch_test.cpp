@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Arguments kQuick{"--views", "S0,1", "--distances", "3", "--buffers", "2", "--validate", "0"};
+const Arguments kQuick{"--partition", "S0,1", "--distances", "3", "--buffers", "2", "--check-views", "0"};
 
 Arguments order_all(const Arguments& inputs, const std::string& output, const Arguments& more = {}) {
   Arguments arguments{"order"};
@@ -140,14 +140,14 @@ TEST(OrderBatch, ReadsListsWithComments) {
   const std::string list = library.in.file("list.txt");
   spill(list, "# models\r\n\n  " + library.quad + "  \r\n\t# " + library.broken + "\n" + library.goblet);
   const std::string folder = library.out.file("out/");
-  const Finished done = run_pellucid(order_all({}, folder, {"--list", list}));
+  const Finished done = run_pellucid(order_all({}, folder, {"--model-list", list}));
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_TRUE(fs::exists(folder + "quad.glb"));
   EXPECT_TRUE(fs::exists(folder + "goblet.glb"));
 
   spill(list, "# nothing\n");
-  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--list", list})).code, 2);
-  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--list", library.in.file("none.txt")})).code, 3);
+  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--model-list", list})).code, 2);
+  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--model-list", library.in.file("none.txt")})).code, 3);
 }
 
 TEST(OrderBatch, SkipsWhatIsThere) {

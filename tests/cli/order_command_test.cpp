@@ -38,8 +38,8 @@ TEST(OrderCommand, ViewTrianglesAndRegionsAreOrderedWrittenAndMeasured) {
   for (const char* views : {"T0", "R0"}) {
     for (const char* method : {"budget", "acyclic"}) {
       std::vector<std::string> arguments{
-          "order",    samples().plain, "-o",         out, "--views",     views,
-          "--method", method,          "--validate", "0", "--distances", "2,5"};
+          "order", samples().plain, "-o", out,           "--views", views, "--method",
+          method,  "--check-views", "0",  "--distances", "2,5"};
       const Finished done = run_pellucid(arguments);
       ASSERT_EQ(done.code, 0) << done.err;
       const Finished inspect = run_pellucid({"inspect", out, "--json", "-"});
@@ -85,8 +85,8 @@ TEST(OrderCommand, SameBytesForAnyNumberOfThreads) {
     for (const char* threads : {"1", "2"}) {
       const std::string out = folder.file("out.glb");
       const Finished done =
-          run_pellucid({"order", samples().plain, "-o", out, "--views", "S0,1", "--distances", "2,inf",
-                        "--method", method, "--threads", threads, "--validate", "2"});
+          run_pellucid({"order", samples().plain, "-o", out, "--partition", "S0,1", "--distances", "2,inf",
+                        "--method", method, "--threads", threads, "--check-views", "2"});
       ASSERT_EQ(done.code, 0) << done.err;
       if (bytes.empty()) bytes = slurp(out);
       EXPECT_TRUE(bytes == slurp(out)) << method << " with " << threads << " threads";
@@ -112,8 +112,8 @@ TEST(OrderCommand, MissedQualityIsFiveAndTheFileIsThere) {
   const std::string knot = folder.file("knot.glb");
   const std::string out = folder.file("out.glb");
   ASSERT_EQ(run_pellucid({"sample", "torus-knot", "-o", knot, "--detail", "0.1"}).code, 0);
-  const Finished done = run_pellucid({"order", knot, "-o", out, "--views", "S0,1", "--max-buffers", "1",
-                                      "--max-error", "0.0000001", "--validate", "0"});
+  const Finished done = run_pellucid({"order", knot, "-o", out, "--partition", "S0,1", "--max-buffers", "1",
+                                      "--max-error", "0.0000001", "--check-views", "0"});
   EXPECT_EQ(done.code, 5) << done.err;
   EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   EXPECT_TRUE(std::filesystem::exists(out));

@@ -71,7 +71,7 @@ std::string moving_shells(const TemporaryFolder& folder) {
 
 // In a moment: few viewpoints, small pictures.
 Arguments quick(const std::string& input, const Arguments& more = {}) {
-  Arguments arguments{"overdraw", input, "--viewpoints", "42", "--size", "64", "--pictures", "60"};
+  Arguments arguments{"overdraw", input, "--views", "42", "--size", "64", "--max-images", "60"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -278,7 +278,7 @@ TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
   EXPECT_EQ(code({"--baselines", "magic"}), 2);
   EXPECT_EQ(code({"--keyframe-rate", "-1"}), 2);
   EXPECT_EQ(code({"--joint", "--per-animation"}), 2);
-  const Finished many = run_pellucid({"overdraw", input, "--viewpoints", "100"});
+  const Finished many = run_pellucid({"overdraw", input, "--views", "100"});
   EXPECT_EQ(many.code, 2);
   EXPECT_EQ(run_pellucid({"overdraw", folder.file("nowhere.glb")}).code, 3);
   // Everything in the sample is translucent: nothing to do.
@@ -329,8 +329,8 @@ TEST(OverdrawCommand, RefusesToSubdivideInABuildWithoutOpenSubdiv) {
 TEST(OverdrawCommand, RendersInTheSequenceOfTheOrders) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");
-  ASSERT_EQ(run_pellucid({"overdraw", moving_shells(folder), "-o", out, "--baselines", "none", "--measure",
-                          "4", "--size", "64", "--viewpoints", "12"})
+  ASSERT_EQ(run_pellucid({"overdraw", moving_shells(folder), "-o", out, "--baselines", "none",
+                          "--check-views", "4", "--size", "64", "--views", "12"})
                 .code,
             0);
   const auto drawn = [&](const std::string& technique, const Arguments& more) {

@@ -15,7 +15,7 @@
 namespace pellucid::cli {
 namespace {
 
-constexpr std::uint32_t kPictureSize = 480;
+constexpr std::uint32_t kImageSize = 480;
 
 struct MeasureCommandOptions {
   const CLI::App* command = nullptr;  // knows which options were given
@@ -47,7 +47,7 @@ void parse_distance_range(const std::string& text, MeasureSettings& settings) {
   }
 }
 
-// Overdraw orders have no wrong pixels to be counted.
+// Notes that overdraw orders are not measured: wrong pixels do not exist for them.
 void note_overdraw_orders(const Model& model, const Session& session) {
   const auto count = std::count_if(
       model.primitives.begin(), model.primitives.end(),
@@ -56,7 +56,7 @@ void note_overdraw_orders(const Model& model, const Session& session) {
   session.note(fmt::format("{}: the overdraw orders of {} primitive(s) are not measured", model.path, count));
 }
 
-// The primitives that are measured: those with orders; where a file has none, all its triangles.
+// Reads the primitives that are measured: with `want_orders` those with orders, else all.
 Input read_input(const std::string& path, const std::string& label, bool want_orders,
                  std::uint32_t simplify_to, const Session* notes = nullptr) {
   Model model = read_model(path);
@@ -75,7 +75,7 @@ Input read_input(const std::string& path, const std::string& label, bool want_or
   return input;
 }
 
-// File stems, made different where they are the same.
+// Returns the stems of the files, made different where they are the same.
 std::vector<std::string> labels_of(const std::vector<std::string>& paths) {
   std::vector<std::string> labels;
   std::set<std::string> used(baseline_names().begin(), baseline_names().end());
@@ -117,8 +117,8 @@ std::vector<Input> read_inputs(const MeasureCommandOptions& options, const Sessi
   return inputs;
 }
 
-// The mesh whose triangle order is the `original` one: of --original, by the primitive's name where the file
-// has several; or of the file itself where nothing has been ordered yet.
+// Returns the mesh whose triangle order is the baseline `original`: the primitive of --original with the same
+// place or, where the numbers of primitives differ, the same name.
 const Mesh* original_mesh(const Input& original, const Input& main, std::size_t k) {
   if (original.primitives.size() == main.primitives.size()) return &original.primitives[k].mesh;
   for (std::size_t i = 0; i < original.names.size(); ++i) {
@@ -128,7 +128,7 @@ const Mesh* original_mesh(const Input& original, const Input& main, std::size_t 
               fmt::format("{}: no primitive named '{}' as in {}", original.path, main.names[k], main.path));
 }
 
-struct PictureMaker {
+struct ImageMaker {
   const CleanPrimitive* ordered;
   const Mesh* original;  // may be null
   double alpha;
@@ -156,14 +156,14 @@ struct PictureMaker {
 
  private:
   Camera draw(const Mesh& mesh, const Viewpoint& view, FragmentBuffer& fragments) const {
-    const Camera camera = look_at_sphere(bounding_sphere(mesh), view, kPictureSize, kPictureSize);
+    const Camera camera = look_at_sphere(bounding_sphere(mesh), view, kImageSize, kImageSize);
     RasterOptions raster;
     if (ordered->orders->facing == Facing::single) raster.culling = Culling::back;
     rasterize(mesh, camera, raster, fragments);
     return camera;
   }
 
-  // What a viewer shows without the orders.
+  // Draws what a viewer shows without the orders.
   [[nodiscard]] ReportImage without_orders(const Viewpoint& view, const ShadingOptions& look) const {
     const Mesh& mesh = original != nullptr ? *original : ordered->mesh;
     FragmentBuffer fragments;
@@ -176,7 +176,7 @@ struct PictureMaker {
   }
 };
 
-std::vector<ImageRow> picture_rows(const PictureMaker& maker, const MethodQuality& quality,
+std::vector<ImageRow> image_rows(const ImageMaker& maker, const MethodQuality& quality,
                                    const MeasureSettings& settings) {
   std::vector<ImageRow> rows;
   for (const char* camera : {"30,15,2.5", "150,-10,2.5", "265,35,2.5"}) {
@@ -221,9 +221,9 @@ void write_report(const MeasureCommandOptions& options, const MeasureReport& rep
   if (!primitive.orders) {
     throw Error(ErrorKind::nothing_to_do, main.path + ": no orders to report on: run pellucid order first");
   }
-  const PictureMaker maker{&primitive, originals[shown], options.settings.alpha};
+  const ImageMaker maker{&primitive, originals[shown], options.settings.alpha};
   const std::vector<ImageRow> rows =
-      picture_rows(maker, report.primitives[shown].methods.front().quality, options.settings);
+      image_rows(maker, report.primitives[shown].methods.front().quality, options.settings);
   HtmlReportInput page;
   page.title = main.label;
   page.measured = &report;
@@ -234,7 +234,7 @@ void write_report(const MeasureCommandOptions& options, const MeasureReport& rep
   write_file_atomically(options.report, html_report(page));
 }
 
-// Keep only the primitive that --primitive names.
+// Removes all primitives but the one that --primitive names.
 void keep_primitive(Input& input, std::int64_t k) {
   if (k < 0) return;
   const auto index = static_cast<std::size_t>(k);

@@ -21,7 +21,7 @@ constexpr std::array kGravestFirst{ErrorKind::internal,      ErrorKind::cannot_w
                                    ErrorKind::bad_input,     ErrorKind::bad_argument,
                                    ErrorKind::nothing_to_do, ErrorKind::quality_missed};
 
-// The same file whatever the way to it.
+// Returns the same text for the same file, whatever the path to it.
 std::string canonical(const std::string& path) {
   std::error_code error;
   const fs::path found = fs::weakly_canonical(path, error);
@@ -51,7 +51,7 @@ class Batch {
       run_job(jobs_[i], order);
     }
     session_.set_file("");
-    // The jobs have emptied it, unless some of them can go on from there.
+    // The jobs have emptied the folder, unless one of them can continue from its records.
     if (!options_.checkpoint.empty()) platform::remove_empty_folder(options_.checkpoint);
     finish();
   }
@@ -84,7 +84,7 @@ class Batch {
   }
 
   void fail(const BatchJob& job, ErrorKind kind, std::string message) {
-    // Some reasons name what is wrong without naming the file.
+    // Some messages do not name the file.
     if (message.find(job.input) == std::string::npos) message = job.input + ": " + message;
     session_.complain(message);
     report_.failures.push_back({job.input, job.output, exit_code(kind), std::move(message)});
@@ -104,7 +104,7 @@ class Batch {
     session_.print(fmt::format("{}; {} in all, peak memory {}\n", summary,
                                format_seconds(report_.seconds_total), format_bytes(report_.peak_rss_bytes)));
     session_.write_json(to_json(report_));
-    // The first mention has scrolled away.
+    // Failures are repeated at the end, because their first messages have scrolled away.
     if (jobs_.size() > 1) {
       for (const OrderFailure& failure : report_.failures) session_.complain("failed: " + failure.message);
     }

@@ -18,10 +18,10 @@
 namespace pellucid::cli {
 namespace {
 
-// Held-out viewpoints, so that the recorded error is none that the method has trained on.
+// Held-out viewpoints have a seed of their own: the method must not have trained on them.
 constexpr std::uint64_t kValidationSeed = 0x5EEDED;
 constexpr std::uint32_t kValidationSize = 512;
-// Lists hold most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
+// Orders of both facings list most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
 constexpr double kTypicalCopies = 1.6;
 
 Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice choice) {
@@ -30,8 +30,8 @@ Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice ch
   return is_gltf(model) && !primitive.double_sided ? Facing::single : Facing::duplicated;
 }
 
-// Formats other than glTF are written anew: what cannot be drawn is left out for good, and the mesh may be
-// simplified.
+// Cleans and simplifies a primitive of a format other than glTF. Such models are written anew, so triangles
+// that cannot be drawn are left out for good.
 void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std::uint32_t target) {
   primitive.mesh = compacted(clean(primitive.mesh, options.clean, primitive.name).mesh);
   if (target > 0 && primitive.mesh.triangles.size() > target) {
@@ -40,7 +40,8 @@ void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std:
   }
 }
 
-// `--simplify N` is the size of the whole model: every primitive gets its share.
+// Checks and prepares the selected primitives. --simplify is the size of the whole model, of which every
+// primitive gets its share.
 std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
                                       const OrderCommandOptions& options) {
   std::vector<MeshReport> reports;
@@ -65,7 +66,7 @@ std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
   return reports;
 }
 
-// Fills what the report says of the error from held-out viewpoints.
+// Measures the error from held-out viewpoints into the report.
 void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints, double alpha,
                      Session& session, PrimitiveOrderReport& report) {
   MeasureOptions measure;
@@ -80,7 +81,8 @@ void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t vie
   measure.progress = session.progress();
   std::vector<DrawingMethod> methods{
       {"orders", [&](const Viewpoint& viewpoint) { return ranks_from(mesh, orders, viewpoint); }}};
-  // What no order gets right, where something hints at it.
+  // Where faces intersect or hide each other in cycles, the error of the best possible order is measured,
+  // too.
   if (report.statistics.intersecting_pairs > 0 || report.statistics.cyclic_cells > 0) {
     methods.push_back({"best", [&](const Viewpoint& viewpoint) {
                          return best_ranks(mesh, orders.sphere, viewpoint, measure.size, orders.facing);
@@ -99,8 +101,8 @@ void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t vie
   if (qualities.size() > 1) report.ipr_unavoidable = qualities.back().ipr_mean;
 }
 
-// Replaces the primitive's mesh by its pieces where there is something to cut. Empty, with a note, where the
-// triangles of the primitive may not change.
+// Replaces the primitive's mesh by its pieces where there is something to cut. Returns nothing, with a note,
+// where the triangles of the primitive may not change.
 std::optional<SplitReport> split_primitive(Model& model, std::uint32_t index, const SplitChoice& choice,
                                            const CleanOptions& cleaning, const OrderOptions& order,
                                            Session& session) {
@@ -261,8 +263,8 @@ void dry_run(const OrderCommandOptions& options, Session& session) {
 
 // ----------------------------------------------------------------------------------- was the target reached?
 
-// The error of one primitive and the number of its buffers: what the method measured itself, else the
-// validation. < 0: neither.
+// The error of one primitive and the number of its buffers. The error is that which the method measured
+// itself, else that of the validation; it is negative where neither measured one.
 struct Reached {
   std::string name;
   double ipr = -1, psnr = -1;

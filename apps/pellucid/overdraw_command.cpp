@@ -27,7 +27,7 @@ struct OverdrawCommandOptions {
   std::string input, output;
   std::string report, chart, heatmaps;  // files to write
   OverdrawOptions orders;
-  std::uint32_t views = 0;  // 0: by what the model is
+  std::uint32_t views = 0;  // 0: the default, which depends on whether anything moves
   bool joint = false, per_animation = false;
   SubjectOptions subject;
   std::string baselines = "all";
@@ -57,11 +57,11 @@ void settle(OverdrawCommandOptions& options, const PosedSubject& posed) {
   const bool is_static = posed.clips.empty();
   OverdrawOptions& orders = options.orders;
   if (is_static && options.command->count("--buffers") == 0) orders.buffers = 1;
-  // A single order for all views is judged by more of them: they are cheap for one pose.
+  // One pose affords more viewpoints, which a single order for all of them needs.
   orders.view_level = options.views > 0 ? level_of(options.views) : is_static ? 3 : 2;
   if (is_static && orders.method == OverdrawMethod::refined && options.command->count("--lambda") == 0 &&
       !orders.acmr) {
-    // A drop-in for meshopt_optimizeOverdraw at its usual threshold.
+    // The result can replace that of meshopt_optimizeOverdraw at its usual threshold.
     constexpr float kUsualThreshold = 1.05F;
     orders.acmr = acmr_of(posed.subject, {meshopt_overdraw_order(posed.subject, posed.rest, kUsualThreshold)},
                           orders.cache_size);
@@ -129,7 +129,7 @@ std::vector<OverdrawRow> measure_all(const Model& model, const OverdrawCommandOp
   return rows;
 }
 
-// The file's own order as orders, for where nothing better was found.
+// Returns the file's own order as an order set, which is written where nothing better was found.
 OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& options) {
   OverdrawSets sets;
   sets.view_level = options.view_level;
@@ -155,7 +155,7 @@ OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& o
   return sets;
 }
 
-// Heat maps of all methods at some key frames, seen obliquely from above.
+// Returns heat maps of all methods at some key frames, seen obliquely from above.
 std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Compared& compared,
                                             std::uint32_t size) {
   constexpr std::size_t kFrames = 6;
@@ -240,8 +240,8 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
   return report;
 }
 
-// Formats other than glTF are written anew: what cannot be drawn is left out for good, and the material is
-// one that the orders are made for.
+// Prepares a model of a format other than glTF. It is written anew, so triangles that cannot be drawn are
+// left out for good, and its material is one that the orders are made for.
 void prepare(Model& model, SidesChoice sides) {
   if (is_gltf(model)) return;
   for (Primitive& primitive : model.primitives) {
@@ -298,16 +298,16 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
 
   OverdrawSets sets =
       order_overdraw_sets(posed.subject, posed.frames, options.orders, !options.per_animation);
-  const Stopwatch making_rivals;
+  const Stopwatch making_baselines;
   Compared compared = make_compared(options, posed, sets);
-  const double seconds_rivals = making_rivals.seconds();
+  const double seconds_baselines = making_baselines.seconds();
   Stopwatch measuring;
   std::vector<OverdrawRow> rows = measure_all(model, options, posed, compared, session);
   OverdrawReport report = new_report(options, posed, sets);
   report.seconds_measure = measuring.seconds();
   report.seconds_read = seconds_read;
-  report.seconds_baselines = seconds_rivals;
-  // Never worse than the file was.
+  report.seconds_baselines = seconds_baselines;
+  // The result is never worse than the order of the file.
   if (rows[0].key_frames.mean > rows[1].key_frames.mean) {
     report.notes.emplace_back(
         "the file's own order wastes fewer fragments than any order found, so it is kept");

@@ -39,11 +39,11 @@ std::string rate_text(double per_second) {
 
 }  // namespace
 
-// One line on a terminal's stderr that tells what runs, how far it is, and how long it will take. It is
-// silent in a pipe.
+// Draws one line on a terminal's stderr: what runs, how far it is, and how long it will take. It draws
+// nothing in a pipe.
 class TerminalProgress final : public Progress {
  public:
-  // `wanted` false: neither the line nor notes.
+  // Without `wanted` neither the line nor notes are printed.
   explicit TerminalProgress(bool wanted);
   ~TerminalProgress() override;
 
@@ -52,21 +52,21 @@ class TerminalProgress final : public Progress {
   void note(std::string_view line) override;
   [[nodiscard]] bool stop_requested() const override;
 
-  // What stands before the stage: "3/12 bunny.ply: 1/2 body: occlusion graph".
+  // Set the text before the stage: "3/12 bunny.ply: 1/2 body: occlusion graph".
   void set_file(const std::string& file);
   void set_subject(const std::string& subject);
-  // Wipe the line until the next stage begins, so that other text can be written.
+  // Wipes the line until the next stage begins, so that other text can be written.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Steps may take long: the clock goes on while nothing advances.
+  // Draws the line again and again, so that the clock runs during long steps.
   void keep_drawing();
   void draw();
   void wipe();
 
   const bool wanted_, visible_;
-  std::mutex mutex_;  // of all that follows but the counts
+  std::mutex mutex_;  // guards the members below, except the atomic one
   std::string file_, subject_, stage_;
   Clock::time_point started_;
   std::uint64_t total_ = 0;
@@ -163,7 +163,7 @@ void TerminalProgress::draw() {
       line += "  " + clock_text(seconds);
     }
   } else if (seconds > 0.5) {
-    // How much there is to do shows only when it is done.
+    // The amount of work is not known in advance.
     line += "  " + clock_text(seconds);
     if (done > 0) line += fmt::format(", {:.0f} done, {}", done, rate_text(done / seconds));
   }
@@ -224,7 +224,7 @@ void Session::complain(const std::string& message) const {
 }
 
 void complain(const std::string& message) {
-  // One line, whatever a file name holds.
+  // File names may contain line breaks; the message stays on one line.
   std::string line = message;
   for (char& c : line) {
     if (c == '\n' || c == '\r') c = ' ';
@@ -264,7 +264,7 @@ void check_writable(const std::string& path) {
   if (platform::file_kind(folder) != platform::FileKind::folder) refuse("there is no folder " + folder);
   const platform::FileKind kind = platform::file_kind(path);
   if (kind == platform::FileKind::folder) refuse("it is a directory");
-  // A device is written into, a file is replaced: by another that is made in its folder.
+  // A device is written into. A file is replaced by another that is made in its folder.
   if (kind != platform::FileKind::missing) refuse_unless_writable(path);
   if (kind != platform::FileKind::device) refuse_unless_writable(folder);
 }

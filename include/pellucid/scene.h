@@ -26,8 +26,8 @@ namespace pellucid {
 
 // ----------------------------------------------------------------------------------------- models in motion
 
-// One drawn instance of a primitive: its triangles and vertices are a run of the model's, up to those of the
-// next part.
+// One drawn instance of a primitive. Its triangles and vertices are consecutive ones of the model, up to
+// those of the next part.
 struct ModelPart {
   std::string name;             // of the primitive
   std::uint32_t primitive = 0;  // index into Model::primitives
@@ -40,19 +40,20 @@ struct ModelPart {
 struct AnimationClip {
   std::string name;
   std::uint32_t animation = 0;  // index into Model::animation_names
-  // Seconds, increasing, at least one: the key times of all channels that move something drawn; of times
-  // nearer than 1e-5 s to the one before, that one remains.
+  // Seconds, increasing, at least one: the key times of all channels that move something drawn. Of times less
+  // than 1e-5 s apart the first remains.
   std::vector<double> key_times;
 };
 
-// Times at a fixed rate (per second), from the clip's first to its last key time, both included; the last
-// step may be shorter. Throws Error{bad_argument} for a rate that is not positive or gives more than a
+// Returns times at a fixed rate (per second), from the clip's first to its last key time, both included; the
+// last step may be shorter. Throws Error{bad_argument} for a rate that is not positive or gives more than a
 // million times.
 std::vector<double> times_at_rate(const AnimationClip& clip, double rate);
 
 struct PosableData;  // opaque
 
-// Copies share their data. All methods may be called from several threads at once.
+// A model in any pose of any of its animations. Copies share their data. All methods may be called from
+// several threads at once.
 class PosableModel {
  public:
   // `subdivisions`: Loop levels, 0 .. kMostSubdivisions (pellucid/subdivide.h). Each part is welded by
@@ -61,20 +62,20 @@ class PosableModel {
   // more than 2^28 triangles or vertices.
   explicit PosableModel(const Model& model, std::uint32_t subdivisions = 0);
 
-  // Of all parts, one after the other, in the file's order, indices into the positions. Without subdivision
-  // degenerate triangles are kept; with it those with two corners at one place are left out, and
-  // the 4^subdivisions children of each of the others follow each other. Parts that are mirrored at rest have
-  // their triangles turned, so that fronts are counter-clockwise in scene space.
+  // Returns the triangles of all parts, one after the other in the file's order, as indices into the
+  // positions. Without subdivision degenerate triangles are kept; with it those with two corners at one place
+  // are left out, and the 4^subdivisions children of each of the others follow each other. Parts that are
+  // mirrored at rest have their triangles turned, so that fronts are counter-clockwise in scene space.
   [[nodiscard]] const std::vector<Triangle>& triangles() const;
-  // The instances of triangle primitives; of a model without instances all triangle primitives as they are.
+  // Returns the instances of triangle primitives; of a model without instances all triangle primitives.
   [[nodiscard]] const std::vector<ModelPart>& parts() const;
   [[nodiscard]] const std::vector<AnimationClip>& clips() const;
 
   [[nodiscard]] std::vector<Vec3f> rest_pose() const;
-  // `time` outside of a channel's key times is clamped to them. `clip` is an index into clips(); throws
-  // Error{bad_argument} for others. `positions` is overwritten; its memory is used again. Positions that are
-  // not finite in the file are not finite here (with subdivision, nor are their neighbours), and those that
-  // leave the range of float32 become infinite.
+  // Writes the vertices at `time` (seconds) of the clip to `positions`, whose memory is used again. Times
+  // outside of a channel's key times are clamped to them. `clip` is an index into clips(); throws
+  // Error{bad_argument} for others. Positions that are not finite in the file are not finite here (with
+  // subdivision, nor are their neighbours), and those that leave the range of float32 become infinite.
   void pose(std::uint32_t clip, double time, std::vector<Vec3f>& positions) const;
 
  private:
@@ -144,28 +145,29 @@ Camera file_camera(const Model& model, const std::string& name, const BoundingSp
 
 // --------------------------------------------------------------------------------- what a renderer draws
 
-// Rows from the upper left, where texture coordinates are 0; four bytes a texel: sRGB colour and linear
-// opacity, not premultiplied.
+// An image that surfaces are covered with. Rows begin at the upper left, where texture coordinates are 0. A
+// texel has four bytes: sRGB colour and linear opacity, not premultiplied.
 struct Texture {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
   TextureSampling sampling{};
 };
-// What all textures of a scene take on the device, with their smaller levels: of larger ones the largest are
-// halved until they fit.
+// The most bytes that all textures of a scene take on the device, with their smaller levels. The largest
+// textures are halved until all fit.
 constexpr std::uint64_t kMostTextureBytes = std::uint64_t{64} << 20U;
 
 struct Surface {
   Vec3f color{1, 1, 1};  // linear
   float alpha = 0.5F;    // opacity of a sheet that is seen head-on
   bool double_sided = true;
-  // Where an effect blends, opaque surfaces are not captured: they are drawn first, and fragments at their
-  // depth or behind it are none. Their alpha is taken for 1.
+  // Where an effect blends, opaque surfaces are not captured. They are drawn first, with alpha 1, and hide
+  // fragments at their depth or behind it.
   bool opaque = false;
   std::optional<std::uint32_t> texture{};  // index into RenderScene::textures; multiplies colour and alpha
-  float cutoff = 0;  // where colours of vertices and texture leave less opacity than this, nothing is drawn
+  float cutoff = 0;  // nothing is drawn where vertex colours and texture leave less opacity than this
 };
 
+// Triangles in world space with their surfaces: all that a renderer needs besides a camera.
 struct RenderScene {
   std::vector<Vec3f> positions;  // world space
   std::vector<Vec3f> normals;    // one per position; zero: the face's
@@ -175,8 +177,8 @@ struct RenderScene {
   std::vector<std::array<float, 2>> texcoords;  // one per position; empty: nothing has a texture
   std::vector<std::array<float, 4>> colors;     // one per position, multiply those of surfaces; empty: all 1
   std::vector<Texture> textures;
-  // Drawing sequence of the triangles; empty: as they are. Fragment ids refer to `triangles` all the same.
-  // Opaque surfaces that are drawn first have a sequence of their own.
+  // The draw order of the triangles; empty: as they are. Fragment ids refer to `triangles` in any case.
+  // Opaque surfaces that are drawn first keep this order among themselves.
   std::vector<std::uint32_t> sequence;
 };
 
@@ -191,7 +193,7 @@ enum class Surfaces {
 RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces surfaces,
                               const SurfaceLook& look, std::vector<std::string>* notes = nullptr);
 
-// At rest, or at a time of an animation of the file.
+// The pose of a scene: at rest, or at a time of an animation of the file.
 struct ScenePose {
   std::optional<std::uint32_t> animation;
   double time = 0;  // seconds

@@ -77,7 +77,7 @@ RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces s
 
 namespace {
 
-// Whether the camera sees the front of the triangle, from where its corners are counter-clockwise.
+// Returns whether the camera sees the front of the triangle, whose corners are counter-clockwise from there.
 bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera) {
   const Triangle& t = mesh.triangles[triangle];
   const Vec3d a = to_double(mesh.positions[t[0]]);
@@ -87,7 +87,7 @@ bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera)
 
 // Appends triangles by their ranks. Ranks are those of nodes: the side that the camera sees decides.
 void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t first_triangle,
-                     const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& sequence) {
+                     const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& order) {
   std::vector<std::uint32_t> own(ranks.size() / 2);
   std::vector<std::uint32_t> seen(own.size());
   std::iota(own.begin(), own.end(), 0U);
@@ -98,7 +98,7 @@ void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t firs
   }
   std::stable_sort(own.begin(), own.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return seen[a] < seen[b]; });
-  for (const std::uint32_t t : own) sequence.push_back(first_triangle + t);
+  for (const std::uint32_t t : own) order.push_back(first_triangle + t);
 }
 
 // Returns which of its overdraw orders draws a primitive; none for animations that they were not made for.
@@ -116,11 +116,12 @@ std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& c
   return std::nullopt;
 }
 
-// Objects with overdraw orders, each with the order that draws it, as they come.
+// An object with overdraw orders and the order that draws it.
 struct OverdrawObject {
   std::uint32_t object = 0, order = 0;
   std::uint32_t rank = 0;  // among those of the model
 };
+// Returns the objects that overdraw orders draw, by their ranks among those of the model.
 std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& camera,
                                              const ScenePose& pose) {
   std::vector<OverdrawObject> chosen;
@@ -142,23 +143,23 @@ std::vector<std::uint32_t> drawing_order(const Scene& scene, const Camera& camer
       !pose.animation && std::any_of(scene.primitives.begin(), scene.primitives.end(),
                                      [](const CleanPrimitive& p) { return p.orders.has_value(); });
   const std::vector<OverdrawObject> opaque = overdraw_objects(scene, camera, pose);
-  std::vector<std::uint32_t> sequence;
-  if (!in_depth && opaque.empty()) return sequence;
+  std::vector<std::uint32_t> order;
+  if (!in_depth && opaque.empty()) return order;
   std::vector<std::uint8_t> drawn(scene.mesh.triangles.size(), 0);
   for (const OverdrawObject& chosen : opaque) {
     const SceneObject& object = scene.objects[chosen.object];
     const CleanPrimitive& primitive = scene.primitives[object.primitive];
     const auto count = static_cast<std::uint32_t>(primitive.mesh.triangles.size());
     append_in_order(ranks_of(primitive.overdraw_orders->orders[chosen.order], count), object.first_triangle,
-                    scene, camera, sequence);
+                    scene, camera, order);
   }
-  for (const std::uint32_t t : sequence) drawn[t] = 1;
+  for (const std::uint32_t t : order) drawn[t] = 1;
   std::vector<std::uint32_t> others;
   append_in_order(scene_ranks(scene, in_depth ? DrawOrder::buffers : DrawOrder::original, camera, {}), 0,
                   scene, camera, others);
-  std::copy_if(others.begin(), others.end(), std::back_inserter(sequence),
+  std::copy_if(others.begin(), others.end(), std::back_inserter(order),
                [&](std::uint32_t t) { return drawn[t] == 0; });
-  return sequence;
+  return order;
 }
 
 }  // namespace pellucid

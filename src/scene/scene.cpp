@@ -33,7 +33,7 @@ double determinant(const Mat4& a) {
              cross(Vec3d{a.m[4], a.m[5], a.m[6]}, Vec3d{a.m[8], a.m[9], a.m[10]}));
 }
 
-// Inverse of an affine matrix with determinant `d`.
+// Returns the inverse of an affine matrix with determinant `d`.
 Mat4 inverse(const Mat4& a, double d) {
   const Vec3d x{a.m[0], a.m[1], a.m[2]};
   const Vec3d y{a.m[4], a.m[5], a.m[6]};
@@ -85,7 +85,7 @@ void append_object(const Model& model, std::uint32_t number, Scene& scene) {
   }
 }
 
-// The camera as an object sees it: relative to its bounding sphere, in its radii.
+// Returns the camera as an object sees it: relative to its bounding sphere, in its radii.
 Viewpoint local_viewpoint(const SceneObject& object, const BoundingSphere& sphere, const Camera& camera) {
   if (!camera.perspective) {
     return {normalized(-transformed_direction(object.local_from_world, camera.forward)), kInfiniteDistance};
@@ -107,11 +107,11 @@ std::vector<std::uint32_t> objects_front_to_back(const Scene& scene, const Camer
     const Vec3d offset = object.center - camera.eye;
     depths.push_back(camera.perspective ? length(offset) : dot(offset, camera.forward));
   }
-  std::vector<std::uint32_t> sequence(scene.objects.size());
-  std::iota(sequence.begin(), sequence.end(), 0U);
-  std::stable_sort(sequence.begin(), sequence.end(),
+  std::vector<std::uint32_t> order(scene.objects.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return depths[a] < depths[b]; });
-  return sequence;
+  return order;
 }
 
 }  // namespace
@@ -210,7 +210,8 @@ std::uint32_t find_clip(const PosableModel& posable, const std::string& path, co
               fmt::format("{} has no animation '{}'; it has {}", path, name, names.empty() ? "none" : names));
 }
 
-// For every vertex the first one that is the same point of a smooth surface: of the same place and normal.
+// Returns for every vertex the first one at the same point of a smooth surface: with the same place and
+// normal.
 std::vector<std::uint32_t> smooth_points(const Mesh& mesh) {
   std::vector<std::uint32_t> points(mesh.positions.size());
   std::map<std::array<float, 6>, std::uint32_t> first;
@@ -224,7 +225,7 @@ std::vector<std::uint32_t> smooth_points(const Mesh& mesh) {
   return points;
 }
 
-// The posed part as a mesh of its own.
+// Returns the posed part as a mesh of its own.
 Mesh posed_part(const Scene& scene, const SceneObject& object, const Mesh& local,
                 std::span<const Vec3f> positions) {
   Mesh mesh;
@@ -239,7 +240,7 @@ Mesh posed_part(const Scene& scene, const SceneObject& object, const Mesh& local
   return mesh;
 }
 
-// Normals of the posed triangles, smooth where those of the file are.
+// Computes normals of the posed triangles, smooth where those of the file are.
 void set_normals(const Mesh& local, Mesh posed, std::span<Vec3f> normals) {
   const std::vector<std::uint32_t> points = smooth_points(local);
   for (Triangle& triangle : posed.triangles) {
@@ -249,7 +250,7 @@ void set_normals(const Mesh& local, Mesh posed, std::span<Vec3f> normals) {
   for (std::size_t v = 0; v < points.size(); ++v) normals[v] = smooth[points[v]];
 }
 
-// Fronts are counter-clockwise where the joints of a skin have them, not the node.
+// Turns the triangles of an object where its joints mirror it and its node does not, or the other way round.
 void turn_as(const Triangle& drawn, const Triangle& in_file, const SceneObject& object, std::size_t count,
              Scene& scene) {
   const bool turned = drawn[1] - drawn[0] != in_file[1] - in_file[0];
@@ -306,7 +307,7 @@ ModelCamera find_camera(const Model& model, const std::string& name) {
                                                    names.empty() ? "none" : names));
 }
 
-// Near and far planes around the sphere, as far as it lies in front.
+// Fits near and far planes around the sphere, as far as it lies in front.
 void fit_planes(const BoundingSphere& sphere, Camera& camera) {
   constexpr double kSlack = 1.001;
   constexpr double kNearest = 1e-4;  // of the far plane

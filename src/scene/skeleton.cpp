@@ -54,7 +54,7 @@ double dot_product(const Quaternion& a, const Quaternion& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-// No rotation where there is no direction to tell one.
+// Returns the quaternion with length 1; the identity for length 0.
 Quaternion unit(const Quaternion& q) {
   const double norm = std::sqrt(dot_product(q, q));
   if (!(norm > 0)) return {0, 0, 0, 1};

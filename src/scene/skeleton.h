@@ -15,7 +15,7 @@
 
 namespace pellucid {
 
-// p -> x * p.x + y * p.y + z * p.z + origin
+// The affine map p -> x * p.x + y * p.y + z * p.z + origin.
 struct Affine {
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin;
 
@@ -24,7 +24,7 @@ struct Affine {
   [[nodiscard]] bool mirrors() const { return dot(cross(x, y), z) < 0; }
 };
 
-// a after b
+// Returns the map that applies b, then a.
 inline Affine operator*(const Affine& a, const Affine& b) {
   return {a.direction(b.x), a.direction(b.y), a.direction(b.z), a.point(b.origin)};
 }
@@ -52,7 +52,7 @@ void sample_curve(const AnimationCurve& curve, double time, std::span<double> va
 // sphere.
 std::array<double, 4> sample_rotation(const AnimationCurve& curve, double time);
 
-// The curves that an animation moves a node by; kNoCurve: as at rest.
+// The curves by which an animation moves a node; kNoCurve: the value at rest.
 constexpr std::uint32_t kNoCurve = ~0U;
 struct NodeMotion {
   std::uint32_t slot = 0;
@@ -61,16 +61,16 @@ struct NodeMotion {
 
 class Skeleton {
  public:
-  // Of the nodes in `used` and all their ancestors.
+  // Holds the nodes in `used` and all their ancestors.
   Skeleton(const std::vector<RigNode>& nodes, const std::vector<std::uint32_t>& used);
 
-  // Where the world matrix of a node in `used` is.
+  // Returns the place of the world matrix of a node in `used`.
   [[nodiscard]] std::uint32_t slot_of(std::uint32_t node) const { return slots_[node]; }
   [[nodiscard]] bool moves(std::uint32_t node) const { return slots_[node] != kNoSlot; }
 
-  // The curves of an animation that move these nodes.
+  // Returns the curves of an animation that move these nodes.
   [[nodiscard]] std::vector<NodeMotion> motions_of(const RigAnimation& animation) const;
-  // World matrices of all slots.
+  // Returns the world matrices of all slots at a time (seconds).
   [[nodiscard]] std::vector<Affine> worlds_at(const std::vector<NodeMotion>& motions,
                                               const std::vector<AnimationCurve>& curves, double time) const;
 

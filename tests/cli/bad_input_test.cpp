@@ -129,7 +129,7 @@ TEST(BadOutput, UnwritableFolder) {
                  "locked/out.glb");
 }
 
-TEST(BadUsage, IsTwoWithOneLine) {
+TEST(BadUsage, ExitsWith2AndOneLine) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");
   const std::string in = samples().plain;

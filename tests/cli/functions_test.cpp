@@ -63,7 +63,7 @@ TEST(Selection, AllWhenNothingIsBlend) {
   EXPECT_EQ(all.notes.size(), 1U);
 }
 
-TEST(Selection, NothingToDoSaysWhy) {
+TEST(Selection, NamesTheReasonWhenNothingCanBeOrdered) {
   Model model;
   model.format = "glb";
   model.primitives = {blend_primitive("flag")};

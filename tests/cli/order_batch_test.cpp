@@ -114,7 +114,7 @@ TEST(OrderBatch, TheGravestFailureGivesTheExitCode) {
   EXPECT_EQ(code({knot, library.empty}, {"--max-error", "0.0001"}), 4);
 }
 
-TEST(OrderBatch, RefusesUpFrontWhatCannotEndWell) {
+TEST(OrderBatch, RefusesConflictingOutputsBeforeAnyWork) {
   const Library library;
   const TemporaryFolder elsewhere;
   const std::string twin = elsewhere.file("quad.stl");
@@ -150,7 +150,7 @@ TEST(OrderBatch, ReadsListsWithComments) {
   EXPECT_EQ(run_pellucid(order_all({}, folder, {"--model-list", library.in.file("none.txt")})).code, 3);
 }
 
-TEST(OrderBatch, SkipsWhatIsThere) {
+TEST(OrderBatch, SkipsOutputsThatExist) {
   const Library library;
   const std::string folder = library.out.file("out/");
   const std::string json_path = library.out.file("all.json");
@@ -169,7 +169,7 @@ TEST(OrderBatch, SkipsWhatIsThere) {
   EXPECT_NE(slurp(folder + "quad.glb"), "as it was");
 }
 
-TEST(OrderBatch, AnInterruptionKeepsWhatIsDone) {
+TEST(OrderBatch, AnInterruptionKeepsFinishedFiles) {
   const Library library;
   const std::string knot = library.in.file("knot.glb");
   ASSERT_EQ(run_pellucid({"sample", "torus-knot", "-o", knot, "--detail", "2"}).code, 0);

@@ -38,7 +38,7 @@ TEST(OrderCommand, ViewTrianglesAndRegionsAreOrderedWrittenAndMeasured) {
   for (const char* views : {"T0", "R0"}) {
     for (const char* method : {"budget", "acyclic"}) {
       std::vector<std::string> arguments{
-          "order", samples().plain, "-o", out,           "--views", views, "--method",
+          "order", samples().plain, "-o", out,           "--partition", views, "--method",
           method,  "--check-views", "0",  "--distances", "2,5"};
       const Finished done = run_pellucid(arguments);
       ASSERT_EQ(done.code, 0) << done.err;
@@ -51,7 +51,7 @@ TEST(OrderCommand, ViewTrianglesAndRegionsAreOrderedWrittenAndMeasured) {
   }
 }
 
-TEST(OrderCommand, TheCacheMethodIsKnownAndMatters) {
+TEST(OrderCommand, ReportsTheCacheMethodWhichChangesTheOrders) {
   const TemporaryFolder folder;
   const auto misses = [&](const std::vector<std::string>& options) {
     std::vector<std::string> arguments{"--json", folder.file("out.json")};
@@ -69,7 +69,7 @@ TEST(OrderCommand, TheCacheMethodIsKnownAndMatters) {
   EXPECT_LE(scheduled, misses({"--cache-slack", "0"}));
 }
 
-TEST(OrderCommand, IsSilentInAPipeWhenAllIsWell) {
+TEST(OrderCommand, PrintsNothingToStderrOnSuccess) {
   const TemporaryFolder folder;
   const Finished done = run_pellucid(quick_order(samples().plain, folder.file("out.glb"), {"--quiet"}));
   EXPECT_EQ(done.code, 0);
@@ -107,7 +107,7 @@ TEST(OrderCommand, EveryEncodingAndDirectionIsReadBack) {
   }
 }
 
-TEST(OrderCommand, MissedQualityIsFiveAndTheFileIsThere) {
+TEST(OrderCommand, MissedQualityExitsWith5AndWritesTheFile) {
   const TemporaryFolder folder;
   const std::string knot = folder.file("knot.glb");
   const std::string out = folder.file("out.glb");
@@ -119,7 +119,7 @@ TEST(OrderCommand, MissedQualityIsFiveAndTheFileIsThere) {
   EXPECT_TRUE(std::filesystem::exists(out));
 }
 
-TEST(OrderCommand, NothingToOrderIsFour) {
+TEST(OrderCommand, NothingToOrderExitsWith4) {
   const TemporaryFolder folder;
   const std::string points = folder.file("points.obj");
   spill(points, "v 0 0 0\nv 1 0 0\nv 0 1 0\n");

@@ -40,7 +40,7 @@ nlohmann::json order(const std::string& input, const std::string& output, const 
   return parse_json_file(json);
 }
 
-TEST(SplitCommand, CutsWhatIntersectsAndSaysSo) {
+TEST(SplitCommand, CutsIntersectingFacesAndReportsIt) {
   const TemporaryFolder folder;
   const std::string input = folder.file("boards.obj");
   spill(input, crossing_boards());

@@ -11,7 +11,7 @@
 #include "asset/formats/foreign_model.h"
 #include "asset/formats/reader.h"
 #include "base/record.h"
-#include "camera_path.h"
+#include "camera_options.h"
 #include "input_file.h"
 #include "pellucid/animation.h"
 #include "pellucid/asset.h"

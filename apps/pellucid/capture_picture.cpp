@@ -11,11 +11,8 @@
 #include "budget_options.h"
 #include "capture_options.h"
 #include "deep_pixels.h"
-#include "file_camera.h"
 #include "pellucid/compare_report.h"
 #include "pellucid/report.h"
-#include "pose.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
@@ -210,9 +207,9 @@ class Stage {
     if (time_ && (*time_ == time || picture_.animation.empty())) return;
     time_ = time;
     scene_ = rest_;
-    moment_.time = time;
+    pose_.time = time;
     if (!picture_.animation.empty() || deforms_)
-      moment_.animation = pose_scene(model_, picture_.animation, time, scene_);
+      pose_.animation = pose_scene(model_, picture_.animation, time, scene_);
     notes_.clear();
     drawn_ = make_render_scene(model_, scene_, picture_.surfaces, picture_.look, &notes_);
     loaded_ = false;
@@ -224,7 +221,7 @@ class Stage {
   // Null: on the CPU.
   RenderResult draw(const Camera& camera, Renderer* renderer, const Session& session) {
     if (!picture_.ignore_orders) {
-      std::vector<std::uint32_t> sequence = drawing_sequence(scene_, camera, moment_);
+      std::vector<std::uint32_t> sequence = drawing_order(scene_, camera, pose_);
       loaded_ = loaded_ && sequence == drawn_.sequence;
       drawn_.sequence = std::move(sequence);
     }
@@ -252,7 +249,7 @@ class Stage {
   RenderScene drawn_;
   std::vector<std::string> notes_;
   std::optional<double> time_;
-  Moment moment_;
+  ScenePose pose_;
   bool deforms_;
   RenderOptions options_;
   bool loaded_ = false;

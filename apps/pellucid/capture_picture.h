@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "camera_path.h"
+#include "camera_options.h"
 #include "pellucid/metric.h"
-#include "render_scene.h"
+#include "pellucid/render.h"
+#include "pellucid/scene.h"
 #include "session.h"
 
 namespace pellucid::cli {

@@ -1,4 +1,4 @@
-// The clean mesh of a primitive: see cleaned.h.
+// Meshes as they are written: see cleaned.h.
 #include "cleaned.h"
 
 #include <limits>
@@ -27,21 +27,6 @@ Mesh compacted(const Mesh& mesh) {
     for (std::uint32_t& vertex : triangle) vertex = new_number[vertex];
   }
   return compact;
-}
-
-bool has_transparency_orders(const Primitive& primitive) {
-  return primitive.orders && primitive.orders->purpose == OrderPurpose::transparency;
-}
-
-CleanPrimitive clean_primitive(const Primitive& primitive) {
-  CleanMesh clean_mesh = clean(primitive.mesh, {}, primitive.name);
-  CleanPrimitive result;
-  if (primitive.orders) {
-    (has_transparency_orders(primitive) ? result.orders : result.overdraw_orders) =
-        restrict_orders(*primitive.orders, clean_mesh.source, primitive.mesh.triangles.size());
-  }
-  result.mesh = std::move(clean_mesh.mesh);
-  return result;
 }
 
 }  // namespace pellucid::cli

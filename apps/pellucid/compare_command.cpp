@@ -12,7 +12,6 @@
 #include "pellucid/compare_report.h"
 #include "pellucid/shading.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {

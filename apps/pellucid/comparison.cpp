@@ -9,8 +9,6 @@
 #include <set>
 
 #include "capture_options.h"
-#include "scene.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
@@ -301,7 +299,7 @@ DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
   for (const Shot& shot : shots)
     drawn.turn.push_back(
         look_at_sphere(scene.sphere, parse_camera(shot.camera), picture.width, picture.height));
-  if (!picture.ignore_orders) drawn.scene.sequence = drawing_sequence(scene, drawn.camera, {});
+  if (!picture.ignore_orders) drawn.scene.sequence = drawing_order(scene, drawn.camera, {});
   return drawn;
 }
 

@@ -1,20 +1,70 @@
 // pellucid - the command line: parse, run one subcommand, turn every failure into one line and an exit code.
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
 
-#include "help.h"
 #include "pellucid/report.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
 
 constexpr int kInternal = 1;
 constexpr int kUsage = 2;
+
+constexpr const char* kExitCodes =
+    "Run 'pellucid SUBCOMMAND --help' for the options of a subcommand, with examples.\n"
+    "Exit codes: 0 success, 1 internal failure or a file that cannot be written, 2 wrong usage, 3 bad "
+    "input,\n"
+    "4 nothing to do, 5 quality target missed, 130 interrupted.";
+
+// Lays out --help: the name of the value, then what the option does and its default, without types and
+// checks. Groups come in the order in which they were added, the common options last.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(34); }
+
+  [[nodiscard]] std::string make_help(const CLI::App* app, std::string name,
+                                      CLI::AppFormatMode mode) const override {
+    return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) + groups_of(app) +
+           make_subcommands(app, mode) + "\n" + make_footer(app);
+  }
+
+  [[nodiscard]] std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0) return {};
+    // CLI11 appends what it checks after a colon.
+    std::string name = option->get_type_name();
+    name = name.substr(0, name.find(':'));
+    if (name == "UINT" || name == "INT") name = "N";
+    if (name == "FLOAT") name = "X";
+    if (option->get_expected_max() > 1) name += "...";
+    return name.empty() ? name : " " + name;
+  }
+
+  [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override {
+    const std::string value = option->get_default_str();
+    return option->get_description() + (value.empty() ? "" : " (default " + value + ")");
+  }
+
+ private:
+  [[nodiscard]] std::string groups_of(const CLI::App* app) const {
+    std::vector<std::string> groups = app->get_groups();
+    std::stable_partition(groups.begin(), groups.end(),
+                          [](const std::string& name) { return name != kCommonGroup; });
+    std::string text;
+    for (const std::string& group : groups) {
+      const auto options = app->get_options(
+          [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
+      // Hidden options have no group.
+      if (!group.empty() && !options.empty()) text += make_group(group, false, options);
+    }
+    return text;
+  }
+};
 
 int fail(int code, const std::string& message) {
   complain(message);
@@ -54,8 +104,11 @@ int run_chosen(const Chosen& chosen) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("pellucid - visibility ordering: index buffers that draw a translucent mesh in depth order",
-               "pellucid");
+  CLI::App app(
+      "pellucid computes draw orders for meshes: translucent meshes blend correctly without sorting at run\n"
+      "time, opaque ones waste fewer fragments. It also captures all fragments of an image on the GPU.",
+      "pellucid");
+  app.footer(kExitCodes);
   app.set_version_flag("--version", std::string(library_version()));
   app.require_subcommand(0, 1);
   app.formatter(std::make_shared<HelpFormatter>());

@@ -1,4 +1,4 @@
-// pellucid measure: how good the orders of a file are, against exact truth and beside their rivals.
+// pellucid measure: how good the orders of a file are, against exact images and beside baselines.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,23 +6,24 @@
 #include <optional>
 #include <set>
 
-#include "cleaned.h"
+#include "camera_options.h"
+#include "choice.h"
 #include "pellucid/report.h"
-#include "scene.h"
+#include "pellucid/scene.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
 
-constexpr std::uint32_t kPictureSize = 480;
+constexpr std::uint32_t kImageSize = 480;
 
 struct MeasureCommandOptions {
+  const CLI::App* command = nullptr;  // knows which options were given
   std::vector<std::string> inputs;
   std::string original;
   std::uint32_t simplify = 0;
   MeasureSettings settings;
-  std::string distances = "2,5";
+  std::string distance_range = "2,5";
   std::int64_t primitive = -1;
   std::optional<std::string> baselines;
   bool no_baselines = false;
@@ -42,11 +43,11 @@ void parse_distance_range(const std::string& text, MeasureSettings& settings) {
   if (read != 2 || static_cast<std::size_t>(used) != text.size() || !(settings.min_distance > 1) ||
       !(settings.max_distance >= settings.min_distance) || !std::isfinite(settings.max_distance)) {
     throw Error(ErrorKind::bad_argument,
-                "--distances: '" + text + "' is not MIN,MAX in bounding radii with 1 < MIN <= MAX");
+                "--distance-range: '" + text + "' is not MIN,MAX in bounding radii with 1 < MIN <= MAX");
   }
 }
 
-// Overdraw orders have no wrong pixels to be counted.
+// Notes that overdraw orders are not measured: wrong pixels do not exist for them.
 void note_overdraw_orders(const Model& model, const Session& session) {
   const auto count = std::count_if(
       model.primitives.begin(), model.primitives.end(),
@@ -55,7 +56,7 @@ void note_overdraw_orders(const Model& model, const Session& session) {
   session.note(fmt::format("{}: the overdraw orders of {} primitive(s) are not measured", model.path, count));
 }
 
-// The primitives that are measured: those with orders; where a file has none, all its triangles.
+// Reads the primitives that are measured: with `want_orders` those with orders, else all.
 Input read_input(const std::string& path, const std::string& label, bool want_orders,
                  std::uint32_t simplify_to, const Session* notes = nullptr) {
   Model model = read_model(path);
@@ -74,7 +75,7 @@ Input read_input(const std::string& path, const std::string& label, bool want_or
   return input;
 }
 
-// File stems, made different where they are the same.
+// Returns the stems of the files, made different where they are the same.
 std::vector<std::string> labels_of(const std::vector<std::string>& paths) {
   std::vector<std::string> labels;
   std::set<std::string> used(baseline_names().begin(), baseline_names().end());
@@ -98,6 +99,9 @@ std::vector<Input> read_inputs(const MeasureCommandOptions& options, const Sessi
       throw Error(ErrorKind::nothing_to_do, options.inputs.front() + ": there are no orders in it");
     }
     inputs.front() = read_input(options.inputs.front(), labels.front(), false, options.simplify);
+  } else {
+    refuse_without_effect(*options.command, {needs("--simplify", !options.original.empty(),
+                                                   "it simplifies --original MODEL, which is not given")});
   }
   if (inputs.front().primitives.empty()) {
     throw Error(ErrorKind::nothing_to_do, options.inputs.front() + ": there are no triangles in it");
@@ -113,8 +117,8 @@ std::vector<Input> read_inputs(const MeasureCommandOptions& options, const Sessi
   return inputs;
 }
 
-// The mesh whose triangle order is the `original` one: of --original, by the primitive's name where the file
-// has several; or of the file itself where nothing has been ordered yet.
+// Returns the mesh whose triangle order is the baseline `original`: the primitive of --original with the same
+// place or, where the numbers of primitives differ, the same name.
 const Mesh* original_mesh(const Input& original, const Input& main, std::size_t k) {
   if (original.primitives.size() == main.primitives.size()) return &original.primitives[k].mesh;
   for (std::size_t i = 0; i < original.names.size(); ++i) {
@@ -124,7 +128,7 @@ const Mesh* original_mesh(const Input& original, const Input& main, std::size_t 
               fmt::format("{}: no primitive named '{}' as in {}", original.path, main.names[k], main.path));
 }
 
-struct PictureMaker {
+struct ImageMaker {
   const CleanPrimitive* ordered;
   const Mesh* original;  // may be null
   double alpha;
@@ -142,7 +146,7 @@ struct PictureMaker {
     const PixelCount wrong = count_incorrect_pixels(fragments, ranks);
     row.images.push_back(
         {"in-depth buffer", encode_png(shade_ordered(mesh, camera, fragments, ranks, look))});
-    row.images.push_back(rival(view, look));
+    row.images.push_back(without_orders(view, look));
     const double ipr = wrong.foreground == 0
                            ? 0
                            : static_cast<double>(wrong.incorrect) / static_cast<double>(wrong.foreground);
@@ -152,15 +156,15 @@ struct PictureMaker {
 
  private:
   Camera draw(const Mesh& mesh, const Viewpoint& view, FragmentBuffer& fragments) const {
-    const Camera camera = look_at_sphere(bounding_sphere(mesh), view, kPictureSize, kPictureSize);
+    const Camera camera = look_at_sphere(bounding_sphere(mesh), view, kImageSize, kImageSize);
     RasterOptions raster;
     if (ordered->orders->facing == Facing::single) raster.culling = Culling::back;
     rasterize(mesh, camera, raster, fragments);
     return camera;
   }
 
-  // What a viewer shows without the orders.
-  [[nodiscard]] ReportImage rival(const Viewpoint& view, const ShadingOptions& look) const {
+  // Draws what a viewer shows without the orders.
+  [[nodiscard]] ReportImage without_orders(const Viewpoint& view, const ShadingOptions& look) const {
     const Mesh& mesh = original != nullptr ? *original : ordered->mesh;
     FragmentBuffer fragments;
     const Camera camera = draw(mesh, view, fragments);
@@ -172,7 +176,7 @@ struct PictureMaker {
   }
 };
 
-std::vector<ImageRow> picture_rows(const PictureMaker& maker, const MethodQuality& quality,
+std::vector<ImageRow> image_rows(const ImageMaker& maker, const MethodQuality& quality,
                                    const MeasureSettings& settings) {
   std::vector<ImageRow> rows;
   for (const char* camera : {"30,15,2.5", "150,-10,2.5", "265,35,2.5"}) {
@@ -202,8 +206,8 @@ std::string command_line(const MeasureCommandOptions& options) {
   if (options.simplify > 0) line += fmt::format(" --simplify {}", options.simplify);
   if (options.baselines) line += " --baselines " + *options.baselines;
   const MeasureSettings& s = options.settings;
-  return line + fmt::format(" --views {} --size {} --distances {} --seed {} --cache {} --alpha {}",
-                            s.viewpoints, s.size, options.distances, s.seed, s.cache_size, s.alpha);
+  return line + fmt::format(" --views {} --size {} --distance-range {} --seed {} --cache {} --alpha {}",
+                            s.viewpoints, s.size, options.distance_range, s.seed, s.cache_size, s.alpha);
 }
 
 void write_report(const MeasureCommandOptions& options, const MeasureReport& report, const Input& main,
@@ -217,9 +221,9 @@ void write_report(const MeasureCommandOptions& options, const MeasureReport& rep
   if (!primitive.orders) {
     throw Error(ErrorKind::nothing_to_do, main.path + ": no orders to report on: run pellucid order first");
   }
-  const PictureMaker maker{&primitive, originals[shown], options.settings.alpha};
+  const ImageMaker maker{&primitive, originals[shown], options.settings.alpha};
   const std::vector<ImageRow> rows =
-      picture_rows(maker, report.primitives[shown].methods.front().quality, options.settings);
+      image_rows(maker, report.primitives[shown].methods.front().quality, options.settings);
   HtmlReportInput page;
   page.title = main.label;
   page.measured = &report;
@@ -230,7 +234,7 @@ void write_report(const MeasureCommandOptions& options, const MeasureReport& rep
   write_file_atomically(options.report, html_report(page));
 }
 
-// Keep only the primitive that --primitive names.
+// Removes all primitives but the one that --primitive names.
 void keep_primitive(Input& input, std::int64_t k) {
   if (k < 0) return;
   const auto index = static_cast<std::size_t>(k);
@@ -246,7 +250,7 @@ void keep_primitive(Input& input, std::int64_t k) {
 
 void run_measure(MeasureCommandOptions options, Session& session) {
   const Stopwatch watch;
-  parse_distance_range(options.distances, options.settings);
+  parse_distance_range(options.distance_range, options.settings);
   options.settings.seed = session.options().seed;
   if (options.no_baselines) options.baselines = "none";
   if (options.baselines) options.settings.baselines = parse_baselines(*options.baselines);
@@ -303,49 +307,75 @@ void add_measure_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<MeasureCommandOptions>();
   MeasureCommandOptions& o = *options;
   CLI::App* command =
-      add_command(app, chosen, "measure", "ACMR, ATVR, overdraw, IPR and PSNR against exact truth",
+      add_command(app, chosen, "measure",
+                  "Measure orders: wrong pixels, PSNR, overdraw and vertex cache misses, beside baselines",
                   "  pellucid measure bunny.glb --original bunny.ply\n"
                   "  pellucid measure budget.glb acyclic.glb --views 200 --size 512 --json both.json\n"
                   "  pellucid measure bunny.glb --original bunny.ply --simplify 10000 --report report.html\n"
                   "  pellucid measure bunny.glb --baselines all --views 100",
                   o.settings.seed, [options](Session& session) { run_measure(*options, session); });
+  o.command = command;
   command->add_option("FILE", o.inputs, "Files with orders; several: of the same model, side by side")
       ->required()
       ->type_name("");
+  const char* baseline_group = "Baselines";
   command
-      ->add_option("--original", o.original, "The model before ordering: adds its triangle order as a rival")
-      ->type_name("MODEL");
-  command->add_option("--simplify", o.simplify, "Simplify --original as order --simplify did")
-      ->type_name("N");
-  command->add_option("--views", o.settings.viewpoints, "Random viewpoints")
-      ->check(CLI::Range(1U, 1000000U))
+      ->add_option("--original", o.original,
+                   "The model before ordering: its triangle order is measured as a baseline")
+      ->type_name("MODEL")
+      ->group(baseline_group);
+  command
+      ->add_option("--simplify", o.simplify,
+                   "Simplify --original, or a model without orders, to N triangles as order --simplify does")
       ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--size", o.settings.size, "Pixels per side")
-      ->check(CLI::Range(16U, 8192U))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--distances", o.distances, "Nearest and farthest viewpoint, in bounding radii")
-      ->type_name("MIN,MAX")
-      ->capture_default_str();
-  command->add_option("--cache", o.settings.cache_size, "Vertex cache of ACMR and ATVR (FIFO; ACMR also LRU)")
-      ->check(CLI::Range(3U, 1024U))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--alpha", o.settings.alpha, "Opacity of a face, for PSNR")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--primitive", o.primitive, "Only the N-th of the primitives that have orders (from 0)")
-      ->check(CLI::Range(0, 1 << 24))
-      ->type_name("N");
+      ->group(baseline_group);
   CLI::Option* baselines =
       command
           ->add_option("--baselines", o.baselines,
-                       "Rivals: all, none, or of base,cache_optimized,centroid_sort,dptl,bsp "
-                       "(default: the first three)")
-          ->type_name("LIST");
-  command->add_flag("--no-baselines", o.no_baselines, "Measure the order sets only")->excludes(baselines);
-  command->add_option("--report", o.report, "Write one self-contained HTML page")->type_name("FILE");
+                       "Baselines to measure: all, none, or names of "
+                       "base,cache_optimized,centroid_sort,dptl,bsp (default: the first three)")
+          ->type_name("LIST")
+          ->group(baseline_group);
+  command->add_flag("--no-baselines", o.no_baselines, "Measure the orders only: the same as --baselines none")
+      ->excludes(baselines)
+      ->group(baseline_group);
+  const char* measurement_group = "Measurement";
+  command->add_option("--views", o.settings.viewpoints, "Number of random viewpoints")
+      ->check(CLI::Range(1U, 1000000U))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(measurement_group);
+  command
+      ->add_option("--distance-range", o.distance_range, "Nearest and farthest viewpoint, in bounding radii")
+      ->type_name("MIN,MAX")
+      ->capture_default_str()
+      ->group(measurement_group);
+  command->add_option("--size", o.settings.size, "Size of the square images, pixels per side")
+      ->check(CLI::Range(16U, 8192U))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(measurement_group);
+  command->add_option("--alpha", o.settings.alpha, "Opacity of a face for PSNR, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(measurement_group);
+  command
+      ->add_option("--cache", o.settings.cache_size,
+                   "Count misses of a vertex cache of N vertices: FIFO, for ACMR also LRU")
+      ->check(CLI::Range(3U, 1024U))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(measurement_group);
+  command
+      ->add_option("--primitive", o.primitive,
+                   "Measure only primitive N of those with orders, from 0 (default: all)")
+      ->check(CLI::Range(0, 1 << 24))
+      ->type_name("N")
+      ->group(measurement_group);
+  command->add_option("--report", o.report, "Write one self-contained HTML page")
+      ->type_name("FILE")
+      ->group("Output");
+  refuse_old_option(*command, "--distances", "--distance-range");
 }
 
 }  // namespace pellucid::cli

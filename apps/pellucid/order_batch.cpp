@@ -11,7 +11,6 @@
 #include <set>
 
 #include "base/platform/platform.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
@@ -22,7 +21,7 @@ constexpr std::array kGravestFirst{ErrorKind::internal,      ErrorKind::cannot_w
                                    ErrorKind::bad_input,     ErrorKind::bad_argument,
                                    ErrorKind::nothing_to_do, ErrorKind::quality_missed};
 
-// The same file whatever the way to it.
+// Returns the same text for the same file, whatever the path to it.
 std::string canonical(const std::string& path) {
   std::error_code error;
   const fs::path found = fs::weakly_canonical(path, error);
@@ -52,7 +51,7 @@ class Batch {
       run_job(jobs_[i], order);
     }
     session_.set_file("");
-    // The jobs have emptied it, unless some of them can go on from there.
+    // The jobs have emptied the folder, unless one of them can continue from its records.
     if (!options_.checkpoint.empty()) platform::remove_empty_folder(options_.checkpoint);
     finish();
   }
@@ -85,7 +84,7 @@ class Batch {
   }
 
   void fail(const BatchJob& job, ErrorKind kind, std::string message) {
-    // Some reasons name what is wrong without naming the file.
+    // Some messages do not name the file.
     if (message.find(job.input) == std::string::npos) message = job.input + ": " + message;
     session_.complain(message);
     report_.failures.push_back({job.input, job.output, exit_code(kind), std::move(message)});
@@ -105,7 +104,7 @@ class Batch {
     session_.print(fmt::format("{}; {} in all, peak memory {}\n", summary,
                                format_seconds(report_.seconds_total), format_bytes(report_.peak_rss_bytes)));
     session_.write_json(to_json(report_));
-    // The first mention has scrolled away.
+    // Failures are repeated at the end, because their first messages have scrolled away.
     if (jobs_.size() > 1) {
       for (const OrderFailure& failure : report_.failures) session_.complain("failed: " + failure.message);
     }
@@ -130,20 +129,23 @@ class Batch {
 }  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
-  command.add_option("MODEL", options.inputs, "glTF, GLB, PLY, OBJ, STL or OFF; several: into OUTDIR/")
-      ->type_name("");
-  command.add_option("--list", options.list, "Also the models that FILE names, one a line (# comments)")
-      ->type_name("FILE")
-      ->group("Long runs and many files");
+  const char* group = "Long runs and many files";
   command
-      .add_option("--checkpoint", options.checkpoint,
-                  "Keep finished parts in DIR, continue from what is there")
+      .add_option("MODEL", options.inputs,
+                  "Model to read: glTF, GLB, PLY, OBJ, STL or OFF; several are written into OUTDIR/")
+      ->type_name("");
+  command
+      .add_option("--model-list", options.list,
+                  "Order also the models that FILE names, one per line; lines that begin with # are skipped")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--checkpoint", options.checkpoint, "Keep finished parts in DIR and continue from them")
       ->type_name("DIR")
-      ->group("Long runs and many files");
+      ->group(group);
   command
       .add_flag("--skip-existing", options.skip_existing,
-                "Leave outputs that are there and not older than their model")
-      ->group("Long runs and many files");
+                "Skip models whose output exists and is not older than the model")
+      ->group(group);
 }
 
 bool is_up_to_date(const BatchJob& job) {

@@ -1,5 +1,5 @@
-// Long runs and many models in one call of `pellucid order`: one output each, and a failure of one does not
-// stop the rest.
+// Long runs and many models in one call of `pellucid order`. Each model has one output, and a failure of one
+// does not stop the rest.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,37 +20,37 @@ struct RunOptions {
 };
 void add_run_options(CLI::App& command, RunOptions& options);
 
-// All inputs, those of the list behind those of the command line. Throws Error{bad_argument} where there are
+// Returns the inputs of the command line, then those of the list. Throws Error{bad_argument} where there are
 // none.
 std::vector<std::string> all_inputs(const RunOptions& options);
 
-// One path a line; empty lines and those that begin with # are left out.
+// Reads one path per line; empty lines and those that begin with # are left out.
 std::vector<std::string> read_path_list(const std::string& file);
 
-// One model into one file (false), or any number of them into a folder. Throws Error{bad_argument} for many
-// into one file.
+// Returns whether the models are written into a folder (true), or one model into one file (false). Throws
+// Error{bad_argument} for many models and one file.
 bool is_into_folder(const RunOptions& options, const std::string& output);
 
 struct BatchJob {
   std::string input, output, checkpoint;
 };
-// The output is there and not older than the input.
+// Returns whether the output exists and is not older than the input.
 bool is_up_to_date(const BatchJob& job);
 
-// FOLDER/STEM.gltf for a .gltf, FOLDER/STEM.glb for all others, and a folder of records for each. Throws
-// Error{bad_argument} where two inputs would have the same output, or an output would overwrite an input.
+// Plans FOLDER/STEM.gltf for a .gltf, FOLDER/STEM.glb for all others, and a folder of records for each.
+// Throws Error{bad_argument} where two inputs would have the same output, or an output would overwrite an
+// input.
 std::vector<BatchJob> plan_batch(const RunOptions& options, const std::string& folder);
 
-// What becomes of one file: its report, and how far it fell short although it was written (empty: it did
-// not).
+// The result of one file: its report and, where it was written but missed the quality target, a message.
 struct BatchOutcome {
   OrderReport report;
   std::string missed_quality;
 };
 
-// Run the jobs one after the other; missing folders are made. A failure is told when it happens and again at
-// the end; then the call throws an Error of the gravest kind: cannot write or internal, bad input, usage,
-// nothing to do, quality. An interruption ends the batch; what is done stays.
+// Runs the jobs one after the other and makes missing folders. A failure is printed when it happens and again
+// at the end; then the call throws an Error of the gravest kind: cannot write or internal, bad input, usage,
+// nothing to do, quality. An interruption ends the batch and keeps the files that are written.
 void run_batch(const RunOptions& options, const std::string& folder, Session& session,
                const std::function<BatchOutcome(const BatchJob&)>& order);
 

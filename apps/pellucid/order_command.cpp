@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "cleaned.h"
 #include "order_options.h"
-#include "order_outcome.h"
 #include "pellucid/baseline.h"
 #include "pellucid/checkpoint.h"
 #include "pellucid/report.h"
@@ -14,16 +14,15 @@
 #include "pellucid/shading.h"
 #include "pellucid/transparency.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
 
-// Held-out viewpoints, so that the recorded error is none that the method has trained on.
+// Held-out viewpoints have a seed of their own: the method must not have trained on them.
 constexpr std::uint64_t kValidationSeed = 0x5EEDED;
 constexpr std::uint32_t kValidationSize = 512;
-// Lists hold most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
-constexpr double kTypicalTwins = 1.6;
+// Orders of both facings list most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
+constexpr double kTypicalCopies = 1.6;
 
 Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice choice) {
   if (choice == FacingChoice::single) return Facing::single;
@@ -31,8 +30,8 @@ Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice ch
   return is_gltf(model) && !primitive.double_sided ? Facing::single : Facing::duplicated;
 }
 
-// Formats other than glTF are written anew: what cannot be drawn is left out for good, and the mesh may be
-// simplified.
+// Cleans and simplifies a primitive of a format other than glTF. Such models are written anew, so triangles
+// that cannot be drawn are left out for good.
 void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std::uint32_t target) {
   primitive.mesh = compacted(clean(primitive.mesh, options.clean, primitive.name).mesh);
   if (target > 0 && primitive.mesh.triangles.size() > target) {
@@ -41,7 +40,8 @@ void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std:
   }
 }
 
-// `--simplify N` is the size of the whole model: every primitive gets its share.
+// Checks and prepares the selected primitives. --simplify is the size of the whole model, of which every
+// primitive gets its share.
 std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
                                       const OrderCommandOptions& options) {
   std::vector<MeshReport> reports;
@@ -66,7 +66,7 @@ std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
   return reports;
 }
 
-// Fills what the report says of the error from held-out viewpoints.
+// Measures the error from held-out viewpoints into the report.
 void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints, double alpha,
                      Session& session, PrimitiveOrderReport& report) {
   MeasureOptions measure;
@@ -81,7 +81,8 @@ void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t vie
   measure.progress = session.progress();
   std::vector<DrawingMethod> methods{
       {"orders", [&](const Viewpoint& viewpoint) { return ranks_from(mesh, orders, viewpoint); }}};
-  // What no order gets right, where something hints at it.
+  // Where faces intersect or hide each other in cycles, the error of the best possible order is measured,
+  // too.
   if (report.statistics.intersecting_pairs > 0 || report.statistics.cyclic_cells > 0) {
     methods.push_back({"best", [&](const Viewpoint& viewpoint) {
                          return best_ranks(mesh, orders.sphere, viewpoint, measure.size, orders.facing);
@@ -98,6 +99,44 @@ void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t vie
   for (const DistanceError& bin : quality.by_distance) record.by_distance.push_back({bin.distance, bin.ipr});
   report.error = record;
   if (qualities.size() > 1) report.ipr_unavoidable = qualities.back().ipr_mean;
+}
+
+// Replaces the primitive's mesh by its pieces where there is something to cut. Returns nothing, with a note,
+// where the triangles of the primitive may not change.
+std::optional<SplitReport> split_primitive(Model& model, std::uint32_t index, const SplitChoice& choice,
+                                           const CleanOptions& cleaning, const OrderOptions& order,
+                                           Session& session) {
+  Primitive& primitive = model.primitives[index];
+  if (!triangles_may_change(model, index)) {
+    session.note(model.path + ": " + primitive.name +
+                 ": an extension numbers its triangles, they are left as they are");
+    return std::nullopt;
+  }
+  const Mesh mesh = clean(primitive.mesh, cleaning, model.path + ": " + primitive.name).mesh;
+  if (mesh.triangles.empty()) return std::nullopt;
+  CycleOptions options;
+  options.distances = order.distances;
+  options.facing = order.facing;
+  options.max_new_triangles =
+      static_cast<std::uint64_t>(std::ceil(choice.limit * static_cast<double>(mesh.triangles.size())));
+  options.progress = session.progress();
+  SplitResult result = split_unordered(mesh, options);
+
+  SplitReport report;
+  report.intersecting_pairs = result.intersecting_pairs;
+  report.pairs_left = result.pairs_left;
+  report.viewpoints = result.viewpoints;
+  report.cyclic_before = result.cyclic_before;
+  report.cyclic_left = result.cyclic_left;
+  report.added_by_intersections = result.added_by_intersections;
+  report.added_by_cycles = result.added_by_cycles;
+  report.limit_met = !result.split.complete;
+  if (result.split.mesh.triangles != mesh.triangles) {
+    primitive.mesh = std::move(result.split.mesh);
+    primitive.new_vertices = std::move(result.split.new_vertices);
+    primitive.orders.reset();
+  }
+  return report;
 }
 
 std::optional<SplitReport> split_one(Model& model, std::uint32_t index, const OrderCommandOptions& options,
@@ -135,9 +174,9 @@ OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommand
   one.ordered.primitive = index;
   PrimitiveOrderReport& report = one.report;
   report.statistics = result.statistics;
-  if (options.validate > 0) {
+  if (options.check_views > 0) {
     const Stopwatch watch;
-    validate_orders(mesh, result.orders, options.validate, picture_alpha(order), session, report);
+    validate_orders(mesh, result.orders, options.check_views, picture_alpha(order), session, report);
     one.ordered.error = report.error;
     seconds_validate += watch.seconds();
   }
@@ -164,7 +203,7 @@ void print_plan(const Model& model, const Selection& selection, const OrderComma
     const Primitive& primitive = model.primitives[i];
     const Facing facing = facing_of(model, primitive, options.facing);
     const double list = static_cast<double>(primitive.mesh.triangles.size()) *
-                        (facing == Facing::duplicated ? kTypicalTwins : 1.0);
+                        (facing == Facing::duplicated ? kTypicalCopies : 1.0);
     const std::uint64_t bytes =
         static_cast<std::uint64_t>(list) * 3 * bytes_per_index(primitive.mesh.positions.size());
     table.add_row({primitive.name, primitive.material_name.empty() ? "(none)" : primitive.material_name,
@@ -174,6 +213,12 @@ void print_plan(const Model& model, const Selection& selection, const OrderComma
   }
   session.print(table.to_string());
   session.print("dry run: nothing was written; sizes are estimates\n");
+}
+
+void write_frontier(const FrontierReport& report, const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    write_file_atomically(path, is_plot(path) ? frontier_svg(report) : to_json(report));
+  }
 }
 
 FrontierReport new_frontier_report(const OrderCommandOptions& options) {
@@ -207,10 +252,62 @@ OrderReport new_report(const OrderCommandOptions& options) {
 
 void dry_run(const OrderCommandOptions& options, Session& session) {
   const Model model = read_model(options.input);
+  if (!options.in_batch) refuse_for_model(options, model);
   const Selection selection = select_primitives(model, options.selection);
   for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
   print_plan(model, selection, options, session);
 }
+
+// ----------------------------------------------------------------------------------- was the target reached?
+
+// The error of one primitive and the number of its buffers. The error is that which the method measured
+// itself, else that of the validation; it is negative where neither measured one.
+struct Reached {
+  std::string name;
+  double ipr = -1, psnr = -1;
+  std::size_t buffers = 0;
+};
+
+bool meets(const Reached& reached, const OrderOptions& target) {
+  if (target.min_psnr) return reached.psnr < 0 || reached.psnr >= *target.min_psnr;
+  return reached.ipr <= target.max_error;
+}
+
+std::string shortfall(const Reached& reached, const OrderOptions& target) {
+  if (target.min_psnr) {
+    return fmt::format("PSNR {:.2f} dB with {} buffers, asked for {:g} dB", reached.psnr, reached.buffers,
+                       *target.min_psnr);
+  }
+  return fmt::format("wrong pixels {} with {} buffers, asked for {}", format_percent(reached.ipr),
+                     reached.buffers, format_percent(target.max_error));
+}
+
+Reached reached_by(const PrimitiveOrderReport& report) {
+  Reached reached{report.name, report.statistics.measured_error, report.statistics.measured_psnr,
+                  report.buffers.size()};
+  if (reached.ipr < 0 && report.error) reached.ipr = report.error->ipr_mean;
+  if (reached.psnr < 0 && report.error) reached.psnr = report.error->psnr_mean;
+  return reached;
+}
+
+Reached reached_by(const PrimitiveFrontier& primitive) {
+  const FrontierPoint& point = primitive.frontier.points[primitive.frontier.chosen - 1];
+  return {primitive.name, point.ipr, point.psnr, point.buffers};
+}
+
+// Throws Error{quality_missed} for the first primitive that missed the target. `written` is the file that was
+// written all the same.
+void check_quality(const std::vector<Reached>& all, const OrderOptions& target, const std::string& input,
+                   const std::string& written) {
+  for (const Reached& reached : all) {
+    if (meets(reached, target)) continue;
+    throw Error(ErrorKind::quality_missed,
+                fmt::format("{}: {}: {} (more --max-buffers may help); {} was written all the same", input,
+                            reached.name, shortfall(reached, target), written));
+  }
+}
+
+// ------------------------------------------------------------------------------------ one model, or many
 
 struct FileOutcome {
   OrderReport report;  // without -o: empty
@@ -224,6 +321,7 @@ FileOutcome order_file(OrderCommandOptions options, Session& session) {
   begin_stage(session.progress(), "reading", 0);
   Model model = read_model(options.input);
   stop_if_signalled();
+  if (!options.in_batch) refuse_for_model(options, model);
   const Selection selection = select_primitives(model, options.selection);
   report.notes = selection.notes;
   for (const std::string& note : model.notes) session.detail(model.path + ": " + note);
@@ -317,6 +415,7 @@ void run_order(OrderCommandOptions options, Session& session) {
     return own;
   };
   if (is_into_folder(options.run, options.output)) {
+    options.in_batch = true;
     if (!options.frontier.empty()) {
       throw Error(ErrorKind::bad_argument, "--frontier needs one model, and one file to write: -o OUT.glb");
     }
@@ -356,16 +455,16 @@ void run_order(OrderCommandOptions options, Session& session) {
 
 void add_order_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<OrderCommandOptions>();
-  CLI::App* command =
-      add_command(app, chosen, "order", "Transparency orders for static meshes: in-depth buffers",
-                  "  pellucid order bunny.ply -o bunny.glb --simplify 10000\n"
-                  "  pellucid order glass.glb -o out.glb --max-error 0.001 --max-buffers 12\n"
-                  "  pellucid order glass.glb --frontier curve.svg --frontier curve.json\n"
-                  "  pellucid order glass.glb -o out.gltf --method acyclic --views S2,2 --json stats.json\n"
-                  "  pellucid order car.glb -o out.glb --material Windows --split-buffer --encoding meshopt\n"
-                  "  pellucid order dragon.ply -o dragon.glb --checkpoint dragon.records\n"
-                  "  pellucid order a.glb b.ply c.obj -o ordered/ --json ordered.json",
-                  1, [options](Session& session) { run_order(*options, session); });
+  CLI::App* command = add_command(
+      app, chosen, "order", "Compute transparency orders (in-depth buffers) for the static meshes of a model",
+      "  pellucid order bunny.ply -o bunny.glb --simplify 10000\n"
+      "  pellucid order glass.glb -o out.glb --max-error 0.001 --max-buffers 12\n"
+      "  pellucid order glass.glb --frontier curve.svg --frontier curve.json\n"
+      "  pellucid order glass.glb -o out.gltf --method acyclic --partition S2,2 --json stats.json\n"
+      "  pellucid order car.glb -o out.glb --material Windows --split-buffer --encoding meshopt\n"
+      "  pellucid order dragon.ply -o dragon.glb --checkpoint dragon.records\n"
+      "  pellucid order a.glb b.ply c.obj -o ordered/ --json ordered.json",
+      1, [options](Session& session) { run_order(*options, session); });
   add_order_options(*command, *options);
 }
 

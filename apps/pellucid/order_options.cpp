@@ -8,17 +8,16 @@
 #include <filesystem>
 
 #include "choice.h"
-#include "order_outcome.h"
 #include "pellucid/shading.h"
 #include "session.h"
 
 namespace pellucid::cli {
 namespace {
 
-// That --frontier shows and --max-error auto tries, unless --max-buffers says otherwise.
+// The largest number of buffers of --frontier and --max-error auto, unless --max-buffers is given.
 constexpr std::uint32_t kFrontierBuffers = 8;
 
-// "1.5,3,inf". CLI11's own lists know no infinity.
+// Reads "1.5,3,inf". CLI11's own lists do not accept inf.
 std::vector<double> parse_distances(const std::string& text) {
   std::vector<double> distances;
   std::size_t begin = 0;
@@ -56,22 +55,17 @@ std::vector<double> sample_distances(const OrderCommandOptions& options) {
   return distances;
 }
 
-void check_acyclic(const OrderCommandOptions& options) {
-  const auto refuse = [](const std::string& option) {
-    throw Error(ErrorKind::bad_argument,
-                option + " needs --method budget: acyclic finds its own number of buffers");
-  };
-  if (options.buffers > 0) refuse("--buffers");
-  if (options.order.least_frame_time) refuse("--max-error auto");
-  if (!options.frontier.empty()) refuse("--frontier");
+void check_frontier_path(const std::string& path) {
+  if (!is_plot(path) && std::filesystem::path(path).extension() != ".json") {
+    throw Error(ErrorKind::bad_argument, path + ": a frontier is written as .json or .svg");
+  }
+  check_writable(path);
 }
 
 void check_options(const OrderCommandOptions& options) {
   if (options.output.empty() && options.frontier.empty() && !options.dry_run) {
     throw Error(ErrorKind::bad_argument, "no output file given: -o OUT.glb");
   }
-  for (const std::string& path : options.frontier) check_frontier_path(path);
-  if (options.order.method == OrderMethod::acyclic) check_acyclic(options);
   if (options.order.least_frame_time && options.buffers > 0)
     throw Error(ErrorKind::bad_argument, "--max-error auto chooses a number of buffers: not with --buffers");
   if (options.order.cache_size > 0 && options.order.cache_size < 3) {
@@ -80,54 +74,102 @@ void check_options(const OrderCommandOptions& options) {
   }
 }
 
+void refuse_ineffective(const OrderCommandOptions& o) {
+  const OrderOptions& order = o.order;
+  const bool budget = order.method == OrderMethod::budget;
+  const bool raster = order.occlusion == OcclusionSource::raster;
+  const bool scheduled = order.cache_method == CacheMethod::scheduled;
+  const bool writes = !o.output.empty();
+  // acyclic aims at no error, but the error from held-out viewpoints is still compared with the target.
+  const bool checks_error = budget || (o.check_views > 0 && !order.least_frame_time);
+  const std::string own_number = "--method acyclic finds its own number of buffers";
+  const std::string no_target = "--method acyclic aims at no error, and nothing measures it";
+  const std::string no_output = "no model is written; give -o OUT.glb";
+  const std::string only_plans = "--dry-run only prints a plan";
+  refuse_without_effect(
+      *o.command,
+      {needs("--max-error", checks_error, order.least_frame_time ? own_number : no_target),
+       needs("--min-psnr", checks_error, no_target),
+       needs("--max-buffers", budget, own_number),
+       needs("--buffers", budget, own_number),
+       needs("--frontier", budget, own_number),
+       needs("--frontier", !o.dry_run, only_plans),
+       needs("--priority", !budget, "only --method acyclic merges clusters by priority"),
+       needs("--relax", !budget, "only --method acyclic relaxes clusters"),
+       needs("--refine", order.upsample_from != 0U, "with --upsample-from 0 nothing is carried over"),
+       needs("--tolerance", !raster, "--occlusion raster compares no triangles"),
+       needs("--raster-size", raster, "only --occlusion raster draws images"),
+       needs("--perspective", !(o.distance > 0), "a camera at one --distance is in perspective"),
+       needs("--all", o.selection.material.empty(), "--material selects primitives of any alphaMode"),
+       needs("--split-limit", o.split.split, "only --split makes new triangles"),
+       needs("--cache-method", order.cache_size > 0, "--cache 0 leaves orders alone"),
+       needs("--cache-slack", order.cache_size > 0, "--cache 0 leaves orders alone"),
+       needs("--cache-slack", budget, "--method acyclic allows the vertex cache no wrong area"),
+       needs("--cache-slack", scheduled, "--cache-method tipsify has no slack"),
+       needs("--direction", writes || o.dry_run, no_output),
+       needs("--encoding", writes || o.dry_run, no_output),
+       needs("--split-buffer", writes || o.dry_run, no_output),
+       needs("--no-bake-base", writes || o.dry_run, no_output),
+       needs("--check-views", writes || o.dry_run, no_output),
+       needs("--skip-existing", writes, no_output),
+       needs("--skip-existing", !o.dry_run, only_plans),
+       needs("--checkpoint", !o.dry_run, only_plans),
+       needs("--json", !o.dry_run, only_plans)});
+}
+
 void add_method_options(CLI::App& command, OrderCommandOptions& o) {
+  const char* group = "Method";
   OrderOptions& order = o.order;
   add_choice(command, "--method", order.method,
              {{"budget", OrderMethod::budget}, {"acyclic", OrderMethod::acyclic}},
-             "budget: fewest buffers within --max-error (default); acyclic: the paper's")
-      ->group("Method");
-  command.add_option("--views", o.views, "View cells: S2,2 or P3, T2, R2, ...")
+             "budget: the fewest buffers within --max-error (default); acyclic: the paper's clustering")
+      ->group(group);
+  command
+      .add_option("--partition", o.partition,
+                  "View cells: S2,2 is 320 sampled triangles, P3 642 viewpoints; also T2, R2")
       ->type_name("SPEC")
       ->capture_default_str()
-      ->group("Method");
+      ->group(group);
   auto* max_error =
       command
           .add_option_function<std::string>(
               "--max-error", [&order](const std::string& text) { parse_max_error(text, order); },
-              "Share of wrong pixels to reach (when given and missed: exit 5); auto: the fewest buffers with "
-              "which "
-              "frames by verified hardly take longer")
+              "Share of wrong pixels to reach, 0 to 1; exit 5 when given and missed. auto: the fewest "
+              "buffers with which frames of technique verified take at most 5 % longer")
           ->type_name("X|auto")
           ->default_str("0.001")
-          ->group("Method");
-  auto* min_psnr = command
-                       .add_option("--min-psnr", order.min_psnr,
-                                   "Instead: PSNR of the pictures to reach, dB; when missed: exit 5")
-                       ->check(CLI::Range(1.0, kPerfectPsnr))
-                       ->excludes(max_error)
-                       ->group("Method");
+          ->group(group);
+  auto* min_psnr =
+      command
+          .add_option("--min-psnr", order.min_psnr,
+                      "PSNR of the images to reach, dB, instead of --max-error; exit 5 when missed")
+          ->check(CLI::Range(1.0, kPerfectPsnr))
+          ->excludes(max_error)
+          ->group(group);
   command
       .add_option("--alpha", order.alpha,
-                  "Weigh errors by what is visible of them through faces of this opacity, 0 to 1")
+                  "Opacity of a face, 0 to 1: errors count by the light that reaches them (default: by area)")
       ->check(CLI::Range(0.001, 1.0))
-      ->group("Method");
-  auto* max_buffers = command.add_option("--max-buffers", order.max_buffers, "Never more buffers than this")
+      ->group(group);
+  auto* max_buffers = command.add_option("--max-buffers", order.max_buffers, "Use at most N buffers")
                           ->check(CLI::Range(1U, 65535U))
                           ->capture_default_str()
-                          ->group("Method");
+                          ->group(group);
   auto* buffers =
-      command.add_option("--buffers", o.buffers, "This many buffers, none of them unused (budget)")
+      command
+          .add_option("--buffers", o.buffers, "Use exactly N buffers; fewer only where one serves no view")
           ->check(CLI::Range(1U, 65535U))
           ->excludes(max_buffers)
-          ->group("Method");
+          ->group(group);
   auto* frontier =
       command
           .add_option("--frontier", o.frontier,
-                      "Plot error against buffers: FILE.svg, .json; --max-buffers is then 8; may repeat")
+                      "Write the Pareto front of error against buffers to FILE.json or FILE.svg, up to "
+                      "--max-buffers (then 8 by default); may be given several times")
           ->type_name("FILE")
           ->allow_extra_args(false)
           ->excludes(buffers)
-          ->group("Method");
+          ->group(group);
   command.parse_complete_callback([&o, max_error, min_psnr, max_buffers, frontier] {
     o.target_given = (max_error->count() > 0 && !o.order.least_frame_time) || min_psnr->count() > 0;
     const bool tries_all = frontier->count() > 0 || o.order.least_frame_time;
@@ -137,127 +179,170 @@ void add_method_options(CLI::App& command, OrderCommandOptions& o) {
              {{"union", MergePriority::union_size},
               {"intersection", MergePriority::intersection},
               {"difference", MergePriority::difference}},
-             "Which clusters merge first (acyclic; default union)")
-      ->group("Method");
+             "Which clusters --method acyclic merges first (default union)")
+      ->group(group);
   command
-      .add_option("--relax", order.fruitless_rounds, "Relaxation stops after N fruitless rounds (acyclic)")
+      .add_option("--relax", order.fruitless_rounds,
+                  "Stop the relaxation of --method acyclic after N rounds without progress")
       ->type_name("N")
       ->capture_default_str()
-      ->group("Method");
+      ->group(group);
   command
       .add_option("--upsample-from", order.upsample_from,
-                  "Order N triangles, carry that over to all (0: never; default: from 10000 above 24000)")
+                  "Order the mesh simplified to N triangles and carry that over to all; 0: never (default: "
+                  "10000 for meshes above 24000)")
       ->type_name("N")
-      ->group("Method");
+      ->group(group);
   command
-      .add_option("--refine", order.refine_rounds,
-                  "Rounds of repair on the full mesh after that (0: none, the paper's form)")
+      .add_option(
+          "--refine", order.refine_rounds,
+          "Rounds of repair on the full mesh after --upsample-from, 0 to 16; 0: none, as in the paper")
       ->type_name("N")
       ->check(CLI::Range(0U, 16U))
       ->capture_default_str()
-      ->group("Method");
+      ->group(group);
   command
       .add_option("--memory", order.memory,
-                  "Get by with about this much, as in 4GB, by way of a temporary file")
+                  "Use about this much host memory, as in 4GB; the rest goes to a temporary file (default: "
+                  "no limit)")
       ->transform(CLI::AsSizeValue(false))
       ->type_name("SIZE")
-      ->group("Method");
-  command.add_option("--tolerance", order.tolerance, "Ignore overlaps thinner than this, in bounding radii")
+      ->group(group);
+  command
+      .add_option("--tolerance", order.tolerance,
+                  "Ignore overlaps thinner than X bounding radii (default: 0, for acyclic 0.003)")
       ->check(CLI::Range(0.0, 1.0))
-      ->group("Method");
+      ->group(group);
 }
 
 void add_camera_options(CLI::App& command, OrderCommandOptions& o) {
+  const char* group = "Cameras";
   OrderOptions& order = o.order;
   auto* distances =
       command
-          .add_option("--distances", o.distances, "Camera distances to sample, in bounding radii: 1.5,3,inf")
+          .add_option("--distances", o.distances,
+                      "Camera distances to sample, in bounding radii, as in 1.5,3,inf (default: "
+                      "a spread with inf)")
           ->type_name("LIST")
-          ->group("Cameras");
-  auto* distance = command.add_option("--distance", o.distance, "One fixed camera distance")
+          ->group(group);
+  auto* distance = command.add_option("--distance", o.distance, "One camera distance, in bounding radii")
                        ->check(CLI::Range(1.001, 1e6))
                        ->excludes(distances)
-                       ->group("Cameras");
-  auto* perspective = command.add_flag("--perspective", o.perspective, "Perspective cameras only")
-                          ->excludes(distances)
-                          ->group("Cameras");
-  command.add_flag("--orthographic", o.orthographic, "Orthographic cameras only")
+                       ->group(group);
+  auto* perspective =
+      command.add_flag("--perspective", o.perspective, "Perspective cameras only: the spread without inf")
+          ->excludes(distances)
+          ->group(group);
+  command.add_flag("--orthographic", o.orthographic, "Orthographic cameras only: distance inf")
       ->excludes(distances)
       ->excludes(distance)
       ->excludes(perspective)
-      ->group("Cameras");
+      ->group(group);
   add_choice(command, "--occlusion", order.occlusion,
              {{"exact", OcclusionSource::exact}, {"raster", OcclusionSource::raster}},
-             "Where occlusion comes from (default exact)")
-      ->group("Cameras");
-  command.add_option("--raster-size", order.raster_size, "Pixels per side of --occlusion raster")
+             "Find occlusion by pairs of triangles (default exact) or in images")
+      ->group(group);
+  command
+      .add_option("--raster-size", order.raster_size, "Pixels per side of the images of --occlusion raster")
       ->check(CLI::Range(16U, 8192U))
       ->capture_default_str()
-      ->group("Cameras");
+      ->group(group);
 }
 
 void add_mesh_options(CLI::App& command, OrderCommandOptions& o) {
+  const char* group = "Meshes";
   add_choice(command, "--facing", o.facing,
              {{"auto", FacingChoice::automatic},
               {"single", FacingChoice::single},
               {"duplicated", FacingChoice::duplicated}},
-             "Faces that are drawn (default auto: the material's doubleSided)")
-      ->group("Meshes");
-  command.add_flag("--all", o.selection.all, "Also primitives of a glTF that are not BLEND")->group("Meshes");
-  command.add_option("--material", o.selection.material, "Only primitives with this material")
+             "Order front faces only, or both (default auto: by the material's doubleSided)")
+      ->group(group);
+  command.add_flag("--all", o.selection.all, "Order also primitives of a glTF that are not BLEND")
+      ->group(group);
+  command.add_option("--material", o.selection.material, "Order only primitives with this material")
       ->type_name("NAME")
-      ->group("Meshes");
-  command.add_option("--simplify", o.simplify, "Simplify to N triangles first (not glTF)")
+      ->group(group);
+  command.add_option("--simplify", o.simplify, "Simplify the model to N triangles first; not for glTF")
       ->type_name("N")
       ->check(CLI::Range(1U, 1U << 28U))
-      ->group("Meshes");
+      ->group(group);
   command
-      .add_flag("--strict", o.clean.strict, "Refuse degenerate and broken triangles, do not leave them out")
-      ->group("Meshes");
+      .add_flag("--strict", o.clean.strict,
+                "Refuse degenerate and broken triangles instead of leaving them out")
+      ->group(group);
   add_choice(command, "--duplicates", o.clean.duplicates,
              {{"keep", DuplicatePolicy::keep}, {"drop", DuplicatePolicy::drop}},
-             "Triangles that are there twice (default keep)")
-      ->group("Meshes");
-
-  add_split_options(command, o.split);
+             "What to do with triangles that occur twice (default keep)")
+      ->group(group);
+  command
+      .add_flag("--split", o.split.split,
+                "Cut faces that intersect or overlap in cycles: no order is right for them")
+      ->group(group);
+  command
+      .add_option("--split-limit", o.split.limit,
+                  "Add at most this share of the primitive's triangles by --split")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("X")
+      ->capture_default_str()
+      ->group(group);
 }
 
-void add_output_options(CLI::App& command, OrderCommandOptions& o) {
-  command.add_option("--cache", o.order.cache_size, "FIFO vertex cache to optimise for; 0: not at all")
+void add_cache_options(CLI::App& command, OrderCommandOptions& o) {
+  const char* group = "Vertex cache";
+  command
+      .add_option("--cache", o.order.cache_size,
+                  "Optimise for a FIFO vertex cache of N vertices; 0: leave orders alone")
+      ->type_name("N")
       ->check(CLI::Range(0U, 1024U))
       ->capture_default_str()
-      ->group("Output");
+      ->group(group);
   add_choice(command, "--cache-method", o.order.cache_method,
              {{"scheduled", CacheMethod::scheduled}, {"tipsify", CacheMethod::tipsify}},
-             "scheduled (default), or the paper's tipsify")
-      ->group("Output");
+             "scheduled: list scheduling and a search (default); tipsify: the paper's")
+      ->group(group);
   command
       .add_option("--cache-slack", o.order.cache_slack,
-                  "budget: wrong area that the cache may cost, square radii a view")
+                  "Wrong area that the vertex cache may cost with --method budget, square bounding radii per "
+                  "view")
       ->check(CLI::NonNegativeNumber)
       ->type_name("X")
       ->capture_default_str()
-      ->group("Output");
+      ->group(group);
+}
+
+void add_output_options(CLI::App& command, OrderCommandOptions& o) {
+  const char* group = "Output";
+  command
+      .add_option("-o,--output", o.output,
+                  "The file to write: .glb or .gltf; for several models a folder: OUTDIR/")
+      ->type_name("FILE")
+      ->group(group);
   add_choice(
       command, "--direction", o.write.direction,
       {{"front-to-back", SortDirection::front_to_back}, {"back-to-front", SortDirection::back_to_front}},
-      "Stored direction (default front-to-back)")
-      ->group("Output");
+      "Direction of the stored orders (default front-to-back)")
+      ->group(group);
   add_choice(command, "--encoding", o.write.encoding,
              {{"indices", OrderEncoding::indices},
               {"patches", OrderEncoding::patches},
               {"meshopt", OrderEncoding::meshopt}},
-             "How orders are stored (default indices)")
-      ->group("Output");
-  command.add_flag("--split-buffer", o.write.split_buffer, "Orders go to a file of their own beside OUT")
-      ->group("Output");
+             "Store orders as plain indices (default), as patch ids, or as patch ids coded by meshopt")
+      ->group(group);
+  command
+      .add_flag("--split-buffer", o.write.split_buffer, "Store orders in a file of their own, OUT.orders.bin")
+      ->group(group);
   command.add_flag("--no-bake-base", o.no_bake_base, "Leave the file's own index buffer as it is")
-      ->group("Output");
-  command.add_option("--validate", o.validate, "Measure the error from N held-out viewpoints (0: do not)")
+      ->group(group);
+  command
+      .add_option("--check-views", o.check_views,
+                  "Measure the error from N held-out viewpoints and store it; 0: do not measure")
       ->type_name("N")
       ->capture_default_str()
-      ->group("Output");
-  command.add_flag("-n,--dry-run", o.dry_run, "Print what would be ordered, write nothing")->group("Output");
+      ->group(group);
+  command
+      .add_flag("-n,--dry-run", o.dry_run,
+                "Print what would be ordered and how large it may get; write nothing")
+      ->group(group);
 }
 
 }  // namespace
@@ -270,24 +355,39 @@ void check_output(const std::string& path) {
   check_writable(path);
 }
 
+bool is_plot(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".svg";
+}
+
 void settle_options(OrderCommandOptions& options) {
   check_options(options);
-  options.order.partition = parse_partition(options.views);
+  refuse_ineffective(options);
+  for (const std::string& path : options.frontier) check_frontier_path(path);
+  options.order.partition = parse_partition(options.partition);
   options.order.distances = sample_distances(options);
   options.write.bake_base = !options.no_bake_base;
   if (options.buffers > 0) options.order.min_buffers = options.order.max_buffers = options.buffers;
 }
 
+void refuse_for_model(const OrderCommandOptions& options, const Model& model) {
+  const bool has_materials = is_gltf(model) || model.format == "obj";
+  refuse_without_effect(
+      *options.command,
+      {needs("--all", is_gltf(model), "all primitives of a ." + model.format + " file are ordered"),
+       needs("--material", has_materials, "a ." + model.format + " file has no materials")});
+}
+
 void add_order_options(CLI::App& command, OrderCommandOptions& options) {
-  add_run_options(command, options.run);
-  command
-      .add_option("-o,--output", options.output,
-                  "The file to write: .glb or .gltf; for several models a folder: OUTDIR/")
-      ->type_name("FILE");
+  options.command = &command;
+  add_output_options(command, options);
   add_method_options(command, options);
   add_camera_options(command, options);
   add_mesh_options(command, options);
-  add_output_options(command, options);
+  add_cache_options(command, options);
+  add_run_options(command, options.run);
+  refuse_old_option(command, "--views", "--partition");
+  refuse_old_option(command, "--validate", "--check-views");
+  refuse_old_option(command, "--list", "--model-list");
 }
 
 }  // namespace pellucid::cli

@@ -1,4 +1,4 @@
-// What `pellucid order` was told.
+// The options of `pellucid order`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,18 +10,24 @@
 #include "pellucid/asset.h"
 #include "pellucid/transparency.h"
 #include "selection.h"
-#include "splitting.h"
 
 namespace pellucid::cli {
 
 enum class FacingChoice { automatic, single, duplicated };
 
+struct SplitChoice {
+  bool split = false;
+  double limit = 0.5;  // new triangles, as a share of the primitive's
+};
+
 struct OrderCommandOptions {
+  const CLI::App* command = nullptr;  // knows which options were given
   RunOptions run;
   std::string input, output;  // of the file at hand; at first the output as it was given
   std::string checkpoint;     // of the file at hand
+  bool in_batch = false;      // one of several files
   OrderOptions order;
-  std::string views = "S2,2";
+  std::string partition = "S2,2";
   std::string distances;
   double distance = 0;
   bool perspective = false, orthographic = false;
@@ -35,17 +41,24 @@ struct OrderCommandOptions {
   std::uint32_t simplify = 0;
   WriteOptions write;
   bool no_bake_base = false;
-  std::uint32_t validate = 60;
+  std::uint32_t check_views = 60;
   bool dry_run = false;
 };
 
 void add_order_options(CLI::App& command, OrderCommandOptions& options);
 
-// Refuses what contradicts itself, Error{bad_argument}, and fills options.order and options.write from what
-// was said as text.
+// Fills options.order and options.write from what was given as text. Throws Error{bad_argument} for options
+// that contradict each other or would have no effect.
 void settle_options(OrderCommandOptions& options);
 
-// Throws Error{bad_argument} unless it ends in .glb or .gltf, Error{cannot_write} where it cannot be written.
+// Throws Error{bad_argument} for options that would have no effect on such a model.
+void refuse_for_model(const OrderCommandOptions& options, const Model& model);
+
+// Throws Error{bad_argument} unless the path ends in .glb or .gltf, Error{cannot_write} where it cannot be
+// written.
 void check_output(const std::string& path);
+
+// Returns whether a path of --frontier is a plot, which ends in .svg; others end in .json.
+bool is_plot(const std::string& path);
 
 }  // namespace pellucid::cli

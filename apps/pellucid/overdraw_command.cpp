@@ -1,4 +1,4 @@
-// pellucid overdraw: a few triangle orders that shade little in vain, for static and animated models.
+// pellucid overdraw: a few triangle orders that reduce overdraw, for static and animated models.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,33 +10,33 @@
 #include "choice.h"
 #include "cleaned.h"
 #include "order_options.h"
-#include "overdraw_subject.h"
 #include "pellucid/asset.h"
 #include "pellucid/metric.h"
+#include "pellucid/overdraw_report.h"
+#include "pellucid/overdraw_subject.h"
 #include "pellucid/report.h"
 #include "pellucid/subdivide.h"
 #include "selection.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {
 
 struct OverdrawCommandOptions {
+  const CLI::App* command = nullptr;  // knows which options were given
   std::string input, output;
   std::string report, chart, heatmaps;  // files to write
   OverdrawOptions orders;
-  bool buffers_given = false, lambda_given = false;
-  std::uint32_t viewpoints = 0;  // 0: by what the model is
+  std::uint32_t views = 0;  // 0: the default, which depends on whether anything moves
   bool joint = false, per_animation = false;
   SubjectOptions subject;
   std::string baselines = "all";
-  std::uint32_t measured_viewpoints = 300;
-  std::uint64_t pictures = 3000;
+  std::uint32_t check_views = 300;
+  std::uint64_t max_images = 3000;
   WriteOptions write;
 };
 
-std::vector<std::string> rival_names(const std::string& text) {
+std::vector<std::string> baseline_list(const std::string& text) {
   if (text == "none") return {};
   if (text == "all") return {"original", "meshopt", "per-frame", "single", "paper"};
   std::vector<std::string> names;
@@ -45,68 +45,68 @@ std::vector<std::string> rival_names(const std::string& text) {
   return names;
 }
 
-std::uint32_t level_of(std::uint32_t viewpoints) {
+std::uint32_t level_of(std::uint32_t views) {
   for (std::uint32_t level = 0; level <= 3; ++level) {
-    if (viewpoints == 10U * (1U << (2 * level)) + 2) return level;
+    if (views == 10U * (1U << (2 * level)) + 2) return level;
   }
-  throw Error(ErrorKind::bad_argument,
-              fmt::format("--viewpoints: {} is none of 12, 42, 162, 642", viewpoints));
+  throw Error(ErrorKind::bad_argument, fmt::format("--views: {} is none of 12, 42, 162, 642", views));
 }
 
-// What was not said depends on whether anything moves.
+// Sets the defaults that depend on whether anything moves.
 void settle(OverdrawCommandOptions& options, const PosedSubject& posed) {
   const bool is_static = posed.clips.empty();
   OverdrawOptions& orders = options.orders;
-  if (is_static && !options.buffers_given) orders.buffers = 1;
-  // A single order for all views is judged by more of them: they are cheap for one pose.
-  orders.view_level = options.viewpoints > 0 ? level_of(options.viewpoints) : is_static ? 3 : 2;
-  if (is_static && orders.method == OverdrawMethod::refined && !options.lambda_given && !orders.acmr) {
-    // A drop-in for meshopt_optimizeOverdraw at its usual threshold.
+  if (is_static && options.command->count("--buffers") == 0) orders.buffers = 1;
+  // One pose affords more viewpoints, which a single order for all of them needs.
+  orders.view_level = options.views > 0 ? level_of(options.views) : is_static ? 3 : 2;
+  if (is_static && orders.method == OverdrawMethod::refined && options.command->count("--lambda") == 0 &&
+      !orders.acmr) {
+    // The result can replace that of meshopt_optimizeOverdraw at its usual threshold.
     constexpr float kUsualThreshold = 1.05F;
     orders.acmr = acmr_of(posed.subject, {meshopt_overdraw_order(posed.subject, posed.rest, kUsualThreshold)},
                           orders.cache_size);
   }
 }
 
-// Everything that was made or built, by name.
-struct Contest {
-  std::vector<OverdrawRival> rivals;  // ours first, then the file's own order
+// The orders that are measured: ours first, then the file's own order, then the other baselines.
+struct Compared {
+  std::vector<OverdrawRival> rivals;
 };
 
-Contest enter_contest(const OverdrawCommandOptions& options, const PosedSubject& posed,
-                      const OverdrawSets& sets) {
-  Contest contest;
+Compared make_compared(const OverdrawCommandOptions& options, const PosedSubject& posed,
+                       const OverdrawSets& sets) {
+  Compared compared;
   const std::string own = options.orders.method == OverdrawMethod::paper ? "paper" : "refined";
-  contest.rivals.push_back(rival_of(own, posed.subject, sets, options.orders.cache_size));
+  compared.rivals.push_back(rival_of(own, posed.subject, sets, options.orders.cache_size));
   RivalOptions rivals;
   rivals.names = {"input"};
-  for (const std::string& name : rival_names(options.baselines)) {
+  for (const std::string& name : baseline_list(options.baselines)) {
     if (name != own && name != "input") rivals.names.push_back(name);
   }
   rivals.orders = options.orders;
   rivals.joint = !options.per_animation;
-  rivals.acmr = contest.rivals.front().acmr;
+  rivals.acmr = compared.rivals.front().acmr;
   rivals.rest = posed.rest;
   for (OverdrawRival& rival : make_overdraw_rivals(posed.subject, posed.frames, rivals))
-    contest.rivals.push_back(std::move(rival));
-  return contest;
+    compared.rivals.push_back(std::move(rival));
+  return compared;
 }
 
 OverdrawMeasurement measurement_of(const OverdrawCommandOptions& options, Session& session) {
   OverdrawMeasurement measurement;
-  measurement.viewpoints = options.measured_viewpoints;
+  measurement.viewpoints = options.check_views;
   measurement.min_distance = options.orders.min_distance;
   measurement.max_distance = options.orders.max_distance;
   measurement.size = options.orders.size;
-  measurement.most_pictures = options.pictures;
+  measurement.most_pictures = options.max_images;
   measurement.progress = session.progress();
   return measurement;
 }
 
 std::vector<OverdrawRow> measure_all(const Model& model, const OverdrawCommandOptions& options,
-                                     const PosedSubject& posed, const Contest& contest, Session& session) {
+                                     const PosedSubject& posed, const Compared& compared, Session& session) {
   std::vector<OverdrawContender> contenders;
-  for (const OverdrawRival& rival : contest.rivals) contenders.push_back(rival.contender);
+  for (const OverdrawRival& rival : compared.rivals) contenders.push_back(rival.contender);
   const OverdrawMeasurement measurement = measurement_of(options, session);
   const std::vector<OverdrawQuality> at_keys = measure_posed_overdraw(posed.subject, contenders, measurement);
 
@@ -121,15 +121,15 @@ std::vector<OverdrawRow> measure_all(const Model& model, const OverdrawCommandOp
     if (!poses.nearest.empty()) between = measure_posed_overdraw(poses.subject, contenders, measurement);
   }
   std::vector<OverdrawRow> rows;
-  for (std::size_t i = 0; i < contest.rivals.size(); ++i) {
-    const OverdrawRival& rival = contest.rivals[i];
+  for (std::size_t i = 0; i < compared.rivals.size(); ++i) {
+    const OverdrawRival& rival = compared.rivals[i];
     rows.push_back({rival.name, rival.buffers, rival.acmr, at_keys[i], std::nullopt});
     if (!between.empty()) rows.back().between = between[i];
   }
   return rows;
 }
 
-// The file's own order as orders, for where nothing better was found.
+// Returns the file's own order as an order set, which is written where nothing better was found.
 OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& options) {
   OverdrawSets sets;
   sets.view_level = options.view_level;
@@ -155,8 +155,8 @@ OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& o
   return sets;
 }
 
-// Heat maps of every rival at some key frames, seen obliquely from above.
-std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Contest& contest,
+// Returns heat maps of all methods at some key frames, seen obliquely from above.
+std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Compared& compared,
                                             std::uint32_t size) {
   constexpr std::size_t kFrames = 6;
   constexpr double kAzimuth = 35 * std::numbers::pi / 180;
@@ -166,7 +166,7 @@ std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Con
                             2.2};
   const std::size_t count = std::min(kFrames, posed.frames.size());
   std::vector<std::vector<HeatMap>> sheet;
-  for (const OverdrawRival& rival : contest.rivals) {
+  for (const OverdrawRival& rival : compared.rivals) {
     sheet.emplace_back();
     for (std::size_t i = 0; i < count; ++i) {
       const auto frame = static_cast<std::uint32_t>(i * posed.frames.size() / count);
@@ -191,12 +191,12 @@ std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Con
   return sheet;
 }
 
-void write_pictures(const OverdrawCommandOptions& options, const OverdrawReport& report,
-                    const PosedSubject& posed, const Contest& contest) {
+void write_images(const OverdrawCommandOptions& options, const OverdrawReport& report,
+                  const PosedSubject& posed, const Compared& compared) {
   if (!options.chart.empty()) write_file_atomically(options.chart, overdraw_chart(report));
   if (options.report.empty() && options.heatmaps.empty()) return;
   constexpr std::uint32_t kHeatMapSize = 256;
-  const std::vector<std::vector<HeatMap>> sheet = heat_maps(posed, contest, kHeatMapSize);
+  const std::vector<std::vector<HeatMap>> sheet = heat_maps(posed, compared, kHeatMapSize);
   if (!options.heatmaps.empty()) write_png(contact_sheet(sheet), options.heatmaps);
   if (!options.report.empty()) write_file_atomically(options.report, overdraw_html(report, sheet));
 }
@@ -233,15 +233,15 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
     report.seconds.assign += set.run.seconds.assign;
     report.seconds.total += set.run.seconds.total;
   }
-  report.measured_viewpoints = options.measured_viewpoints;
-  const std::uint64_t all = posed.frames.size() * std::uint64_t{options.measured_viewpoints};
-  report.measured_images = options.pictures > 0 ? std::min(all, options.pictures) : all;
+  report.measured_viewpoints = options.check_views;
+  const std::uint64_t all = posed.frames.size() * std::uint64_t{options.check_views};
+  report.measured_images = options.max_images > 0 ? std::min(all, options.max_images) : all;
   report.notes = posed.notes;
   return report;
 }
 
-// Formats other than glTF are written anew: what cannot be drawn is left out for good, and the material is
-// one that the orders are made for.
+// Prepares a model of a format other than glTF. It is written anew, so triangles that cannot be drawn are
+// left out for good, and its material is one that the orders are made for.
 void prepare(Model& model, SidesChoice sides) {
   if (is_gltf(model)) return;
   for (Primitive& primitive : model.primitives) {
@@ -261,6 +261,23 @@ void check_options(const OverdrawCommandOptions& options) {
     throw Error(ErrorKind::bad_argument,
                 "--subdivide and --whole are for measurements: such orders fit no file, leave out -o");
   }
+  constexpr double kNoCache = 3;  // patches of single triangles
+  const bool writes = !options.output.empty();
+  const bool refined = options.orders.method == OverdrawMethod::refined;
+  const std::string no_output = "no model is written; give -o OUT.glb";
+  refuse_without_effect(*options.command,
+                        {needs("--acmr", refined, "--method paper takes cache misses from --lambda"),
+                         needs("--acmr", options.orders.lambda < kNoCache,
+                               "--lambda 3 draws triangles without regard to the cache"),
+                         needs("--encoding", writes, no_output), needs("--split-buffer", writes, no_output)});
+}
+
+void refuse_for_subject(const OverdrawCommandOptions& options, const PosedSubject& posed) {
+  const bool moves = !posed.clips.empty();
+  const std::string nothing_moves = "nothing in " + options.input + " is animated";
+  refuse_without_effect(*options.command, {needs("--keyframe-rate", moves, nothing_moves),
+                                           needs("--joint", moves, nothing_moves),
+                                           needs("--per-animation", moves, nothing_moves)});
 }
 
 void run_overdraw(OverdrawCommandOptions options, Session& session) {
@@ -276,22 +293,24 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
   for (const std::string& note : posed.notes) session.note(model.path + ": " + note);
   stop_if_signalled();
   const double seconds_read = total.seconds();
+  refuse_for_subject(options, posed);
   settle(options, posed);
 
   OverdrawSets sets =
       order_overdraw_sets(posed.subject, posed.frames, options.orders, !options.per_animation);
-  const Stopwatch making_rivals;
-  Contest contest = enter_contest(options, posed, sets);
-  const double seconds_rivals = making_rivals.seconds();
+  const Stopwatch making_baselines;
+  Compared compared = make_compared(options, posed, sets);
+  const double seconds_baselines = making_baselines.seconds();
   Stopwatch measuring;
-  std::vector<OverdrawRow> rows = measure_all(model, options, posed, contest, session);
+  std::vector<OverdrawRow> rows = measure_all(model, options, posed, compared, session);
   OverdrawReport report = new_report(options, posed, sets);
   report.seconds_measure = measuring.seconds();
   report.seconds_read = seconds_read;
-  report.seconds_baselines = seconds_rivals;
-  // Never worse than the file was.
+  report.seconds_baselines = seconds_baselines;
+  // The result is never worse than the order of the file.
   if (rows[0].key_frames.mean > rows[1].key_frames.mean) {
-    report.notes.emplace_back("the file's own order shades less in vain than any that was found: it is kept");
+    report.notes.emplace_back(
+        "the file's own order wastes fewer fragments than any order found, so it is kept");
     session.note(model.path + ": " + report.notes.back());
     sets = input_as_orders(posed, options.orders);
     rows[0] = rows[1];
@@ -311,7 +330,7 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
     report.file_bytes = written.file_bytes;
     report.files = written.files;
   }
-  write_pictures(options, report, posed, contest);
+  write_images(options, report, posed, compared);
   report.seconds_total = total.seconds();
   report.peak_rss_bytes = peak_rss_bytes();
   session.print(to_text(report));
@@ -324,37 +343,42 @@ void add_order_group(CLI::App& command, OverdrawCommandOptions& o) {
              {{"refined", OverdrawMethod::refined}, {"paper", OverdrawMethod::paper}},
              "refined: least overdraw as counted (default); paper: patches by summed distance")
       ->group(group);
-  command.add_option("--buffers", o.orders.buffers, "Index buffers (default: 5, for a static mesh 1)")
-      ->check(CLI::Range(1, 256))
-      ->type_name("K")
-      ->group(group)
-      ->each([&o](const std::string&) { o.buffers_given = true; });
   command
-      .add_option("--lambda", o.orders.lambda,
-                  "Patches end below so many cache misses a triangle; 3: single triangles")
+      .add_option("--buffers", o.orders.buffers,
+                  "Use N index buffers, 1 to 256 (default: 5, for a static model 1)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option("--views", o.views,
+                  "Number of viewpoints that orders are made for: 12, 42, 162 or 642 (default: 162, for a "
+                  "static model 642)")
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option(
+          "--lambda", o.orders.lambda,
+          "A patch ends when its cache misses per triangle fall below X, 0.3 to 3; 3: single triangles")
       ->check(CLI::Range(0.3, 3.0))
       ->type_name("X")
       ->capture_default_str()
-      ->group(group)
-      ->each([&o](const std::string&) { o.lambda_given = true; });
+      ->group(group);
   command
       .add_option_function<double>(
           "--acmr", [&o](double acmr) { o.orders.acmr = acmr; },
-          "refined: cache misses a triangle that orders may have (default: as the paper's method has with "
-          "this lambda; one static mesh without --lambda: as meshopt_optimizeOverdraw)")
+          "Cache misses per triangle that --method refined may have (default: those of --method paper with "
+          "the same --lambda; static models without --lambda: those of meshopt_optimizeOverdraw)")
       ->check(CLI::Range(0.3, 3.0))
       ->type_name("X")
       ->group(group);
-  command.add_option("--cache", o.orders.cache_size, "Vertex cache, FIFO entries")
+  command.add_option("--cache", o.orders.cache_size, "Optimise for a FIFO vertex cache of N vertices")
       ->check(CLI::Range(3, 1024))
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
   command
-      .add_option("--viewpoints", o.viewpoints, "12, 42, 162 or 642 (default: 162, for a static mesh 642)")
-      ->type_name("N")
-      ->group(group);
-  command.add_option("--size", o.orders.size, "Pixels a side of the pictures that overdraw is counted in")
+      .add_option("--size", o.orders.size,
+                  "Size of the square images that overdraw is counted in, pixels per side")
       ->check(CLI::Range(16, 4096))
       ->type_name("N")
       ->capture_default_str()
@@ -365,72 +389,89 @@ void add_model_group(CLI::App& command, OverdrawCommandOptions& o) {
   const char* group = "Model";
   command
       .add_option("--animation", o.subject.animations,
-                  "Only this animation, by name or number; may be given several times (default: all)")
+                  "Use only this animation, by name or number; may be given several times (default: all)")
       ->type_name("NAME")
       ->group(group);
   command
       .add_option_function<double>(
           "--keyframe-rate", [&o](double rate) { o.subject.keyframe_rate = rate; },
-          "Key frames a second (default: the animation's own key times)")
+          "Key frames per second (default: the animation's own key times)")
       ->check(CLI::PositiveNumber)
-      ->type_name("R")
+      ->type_name("X")
       ->group(group);
   auto* joint =
-      command.add_flag("--joint", o.joint, "The same buffers for all animations (default)")->group(group);
-  command.add_flag("--per-animation", o.per_animation, "Buffers of its own for every animation")
+      command.add_flag("--joint", o.joint, "Share the index buffers among all animations (default)")
+          ->group(group);
+  command.add_flag("--per-animation", o.per_animation, "Make index buffers for every animation by itself")
       ->excludes(joint)
       ->group(group);
   add_choice(command, "--sides", o.subject.sides,
              {{"auto", SidesChoice::automatic}, {"single", SidesChoice::single}, {"both", SidesChoice::both}},
-             "Are back faces drawn? auto: as the material says, single where the format has none")
+             "Draw front faces only, or both sides (default auto: by the material's doubleSided, single "
+             "without materials)")
       ->group(group);
   command
-      .add_option("--subdivide", o.subject.subdivisions, "Loop subdivision first, 0 to 3 levels; without -o")
+      .add_option("--subdivide", o.subject.subdivisions,
+                  "Levels of Loop subdivision first, 0 to 3; not with -o")
       ->check(CLI::Range(0U, kMostSubdivisions))
       ->type_name("N")
       ->group(group);
   command
       .add_flag("--whole", o.subject.whole,
-                "All primitives as one draw call, as the paper's characters are; without -o")
+                "Treat all primitives as one draw call, as the paper does; not with -o")
+      ->group(group);
+}
+
+void add_measurement_group(CLI::App& command, OverdrawCommandOptions& o) {
+  const char* group = "Measurement";
+  command
+      .add_option("--baselines", o.baselines,
+                  "Baselines to measure: all, none, or names of original,meshopt,per-frame,single,paper")
+      ->type_name("LIST")
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--check-views", o.check_views,
+                  "Number of held-out viewpoints to measure from, 1.5 to 3 bounding radii away")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--max-images", o.max_images,
+                  "Measure about N images of all key frames x viewpoints, evenly chosen; 0: all")
+      ->type_name("N")
+      ->capture_default_str()
       ->group(group);
 }
 
 void add_output_group(CLI::App& command, OverdrawCommandOptions& o) {
   const char* group = "Output";
   command
-      .add_option("--baselines", o.baselines,
-                  "all, none, or of original,meshopt,per-frame,single,paper: what to measure beside it")
-      ->type_name("LIST")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--measure", o.measured_viewpoints, "Held-out viewpoints, within three bounding radii")
-      ->check(CLI::Range(1, 100000))
-      ->type_name("N")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--pictures", o.pictures,
-                  "Measure on about so many of all key frames x viewpoints, evenly chosen (0: all)")
-      ->type_name("N")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--report", o.report, "Write a page with table, chart and heat maps")
-      ->type_name("FILE.html")
-      ->group(group);
-  command
-      .add_option("--heatmaps", o.heatmaps, "Write the heat maps: a row per method, a column per key frame")
-      ->type_name("FILE.png")
-      ->group(group);
-  command.add_option("--chart", o.chart, "Write overdraw over the animation")
-      ->type_name("FILE.svg")
+      .add_option("-o,--output", o.output,
+                  "The file to write: .glb or .gltf (default: measure and report only)")
+      ->type_name("FILE")
       ->group(group);
   add_choice(command, "--encoding", o.write.encoding,
              {{"patches", OrderEncoding::patches},
               {"indices", OrderEncoding::indices},
               {"meshopt", OrderEncoding::meshopt}},
-             "How orders are stored: ids of patches (default), plain indices, or ids coded by meshopt")
+             "Store orders as patch ids (default), as plain indices, or as patch ids coded by meshopt")
       ->group(group);
-  command.add_flag("--split-buffer", o.write.split_buffer, "Orders go to OUT.orders.bin")->group(group);
+  command
+      .add_flag("--split-buffer", o.write.split_buffer, "Store orders in a file of their own, OUT.orders.bin")
+      ->group(group);
+  command.add_option("--report", o.report, "Write an HTML page with table, chart and heat maps")
+      ->type_name("FILE.html")
+      ->group(group);
+  command
+      .add_option("--heatmaps", o.heatmaps,
+                  "Write heat maps: a row for each method, a column for each key frame")
+      ->type_name("FILE.png")
+      ->group(group);
+  command.add_option("--chart", o.chart, "Write a plot of overdraw over the animation")
+      ->type_name("FILE.svg")
+      ->group(group);
 }
 
 }  // namespace
@@ -439,21 +480,24 @@ void add_overdraw_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<OverdrawCommandOptions>();
   options->write.encoding = OrderEncoding::patches;
   CLI::App* command = add_command(
-      app, chosen, "overdraw", "Overdraw orders for opaque models, static or animated",
+      app, chosen, "overdraw", "Compute orders that reduce the overdraw of opaque models, static or animated",
       "  pellucid overdraw character.glb -o out.glb\n"
       "  pellucid overdraw character.glb -o out.glb --buffers 3 --animation Walk --animation Run\n"
       "  pellucid overdraw bunny.obj -o bunny.glb --report bunny.html\n"
       "  pellucid overdraw character.glb --method paper --lambda 0.75 --subdivide 1 --json stats.json\n"
       "  pellucid overdraw character.glb -o out.glb --per-animation --heatmaps sheet.png --chart ovr.svg",
       1, [options](Session& session) { run_overdraw(*options, session); });
-  command->add_option("MODEL", options->input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
-  command
-      ->add_option("-o,--output", options->output,
-                   "The .glb or .gltf to write (without: only measure and report)")
-      ->type_name("FILE");
+  options->command = command;
+  command->add_option("MODEL", options->input, "Model to read: glTF, GLB, PLY, OBJ, STL or OFF")
+      ->required()
+      ->type_name("");
+  add_output_group(*command, *options);
   add_order_group(*command, *options);
   add_model_group(*command, *options);
-  add_output_group(*command, *options);
+  add_measurement_group(*command, *options);
+  refuse_old_option(*command, "--viewpoints", "--views");
+  refuse_old_option(*command, "--measure", "--check-views");
+  refuse_old_option(*command, "--pictures", "--max-images");
 }
 
 }  // namespace pellucid::cli

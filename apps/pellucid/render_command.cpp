@@ -6,17 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "camera_options.h"
 #include "capture_options.h"
 #include "capture_picture.h"
 #include "choice.h"
 #include "deep_pixels.h"
-#include "file_camera.h"
 #include "pellucid/asset.h"
 #include "pellucid/metric.h"
 #include "pellucid/report.h"
-#include "scene.h"
+#include "pellucid/scene.h"
 #include "session.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "choice.h"
 #include "pellucid/report.h"
 #include "session.h"
 
@@ -10,13 +11,18 @@ namespace pellucid::cli {
 namespace {
 
 struct SampleOptions {
+  const CLI::App* command = nullptr;  // knows which options were given
   std::string name;
   std::string output;
   double detail = 1;
   bool list = false;
 };
 
-void list_samples(Session& session) {
+void list_samples(Session& session, const SampleOptions& options) {
+  const std::string only_lists = "--list writes no sample";
+  refuse_without_effect(*options.command,
+                        {needs("NAME", false, only_lists), needs("--output", false, only_lists),
+                         needs("--detail", false, only_lists)});
   nlohmann::ordered_json samples = nlohmann::ordered_json::array();
   std::string text;
   for (const SampleInfo& sample : sample_list()) {
@@ -54,23 +60,27 @@ void write_sample(Session& session, const SampleOptions& options) {
 
 void add_sample_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SampleOptions>();
-  CLI::App* command = add_command(app, chosen, "sample", "Write a procedural scene",
+  CLI::App* command = add_command(app, chosen, "sample", "Write a procedural sample scene",
                                   "  pellucid sample --list\n"
                                   "  pellucid sample goblet -o goblet.glb\n"
                                   "  pellucid sample torus-knot -o knot.glb --detail 4",
                                   1, [options](Session& session) {
                                     if (options->list) {
-                                      list_samples(session);
+                                      list_samples(session, *options);
                                     } else {
                                       write_sample(session, *options);
                                     }
                                   });
-  command->add_option("NAME", options->name, "Which one (see --list)")->type_name("");
-  command->add_option("-o,--output", options->output, "The file to write: .glb or .gltf")->type_name("FILE");
-  command->add_option("--detail", options->detail, "Scale of the number of triangles")
+  options->command = command;
+  command->add_option("NAME", options->name, "Name of the sample (see --list)")->type_name("");
+  command->add_option("-o,--output", options->output, "The file to write: .glb or .gltf")
+      ->type_name("FILE")
+      ->group("Output");
+  command->add_option("--detail", options->detail, "Multiply the number of triangles by X, 0.01 to 1000")
       ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  command->add_flag("--list", options->list, "List the samples");
+      ->capture_default_str()
+      ->group("Output");
+  command->add_flag("--list", options->list, "List the samples instead")->group("Output");
 }
 
 }  // namespace pellucid::cli

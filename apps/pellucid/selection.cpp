@@ -1,4 +1,4 @@
-// Which primitives are ordered: see selection.h.
+// The choice of primitives: see selection.h.
 #include "selection.h"
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ Selection select_primitives(const Model& model, const SelectionOptions& options)
         fmt::format("{} primitive(s) without triangles: left as they are", not_triangles));
   }
 
-  // What is drawn with blending is what needs an order, unless the user says more precisely what he wants.
+  // Primitives that are drawn with blending need an order, unless options select others.
   if (options.all || !options.material.empty() || !is_gltf(model)) {
     selection.primitives = std::move(orderable);
   } else {

@@ -1,4 +1,4 @@
-// Which primitives of a model `order` works on.
+// The choice of the primitives of a model that `order` works on.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,9 @@ struct Selection {
   std::vector<std::string> notes;         // what was left out, and why
 };
 
-// Throws Error{nothing_to_do} when nothing is left, Error{bad_argument} for a material that the file has not.
+// Chooses what is ordered: triangle primitives that do not deform; of a glTF those drawn with BLEND, or all
+// where there is none. Throws Error{nothing_to_do} when nothing is left, Error{bad_argument} for a material
+// that the file does not have.
 Selection select_primitives(const Model& model, const SelectionOptions& options);
-
-inline bool is_gltf(const Model& model) {
-  return model.format == "gltf" || model.format == "glb";
-}
 
 }  // namespace pellucid::cli

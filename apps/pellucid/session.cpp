@@ -1,14 +1,186 @@
 // What the subcommands share: see session.h.
 #include "session.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <string_view>
+#include <thread>
 
 #include "base/platform/platform.h"
-#include "terminal_progress.h"
 
 namespace pellucid::cli {
+
+// -------------------------------------------------------------------------------------------------- progress
+
+namespace {
+
+constexpr std::chrono::milliseconds kRedrawEvery{100};
+constexpr int kBarCells = 24;
+
+std::atomic<bool> stop_flag{false};
+
+std::string clock_text(double seconds) {
+  const auto whole = std::llround(std::max(0.0, seconds));
+  return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+std::string rate_text(double per_second) {
+  return fmt::format("{:.{}f}/s", per_second, per_second < 10 ? 1 : 0);
+}
+
+}  // namespace
+
+// Draws one line on a terminal's stderr: what runs, how far it is, and how long it will take. It draws
+// nothing in a pipe.
+class TerminalProgress final : public Progress {
+ public:
+  // Without `wanted` neither the line nor notes are printed.
+  explicit TerminalProgress(bool wanted);
+  ~TerminalProgress() override;
+
+  void begin(std::string_view name, std::uint64_t total) override;
+  void advance(std::uint64_t amount) override;
+  void note(std::string_view line) override;
+  [[nodiscard]] bool stop_requested() const override;
+
+  // Set the text before the stage: "3/12 bunny.ply: 1/2 body: occlusion graph".
+  void set_file(const std::string& file);
+  void set_subject(const std::string& subject);
+  // Wipes the line until the next stage begins, so that other text can be written.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // Draws the line again and again, so that the clock runs during long steps.
+  void keep_drawing();
+  void draw();
+  void wipe();
+
+  const bool wanted_, visible_;
+  std::mutex mutex_;  // guards the members below, except the atomic one
+  std::string file_, subject_, stage_;
+  Clock::time_point started_;
+  std::uint64_t total_ = 0;
+  bool in_stage_ = false, on_screen_ = false, closing_ = false;
+  std::atomic<std::uint64_t> done_{0};
+  std::condition_variable closes_;
+  std::thread drawer_;
+};
+
+TerminalProgress::TerminalProgress(bool wanted)
+    : wanted_(wanted), visible_(wanted && platform::stderr_is_terminal()) {
+  if (visible_) drawer_ = std::thread([this] { keep_drawing(); });
+}
+
+TerminalProgress::~TerminalProgress() {
+  clear();
+  if (!drawer_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  closes_.notify_one();
+  drawer_.join();
+}
+
+void TerminalProgress::begin(std::string_view name, std::uint64_t total) {
+  if (!visible_) return;
+  const std::lock_guard lock(mutex_);
+  stage_ = name;
+  started_ = Clock::now();
+  total_ = total;
+  done_ = 0;
+  in_stage_ = true;
+  draw();
+}
+
+void TerminalProgress::advance(std::uint64_t amount) {
+  done_ += amount;
+}
+
+void TerminalProgress::note(std::string_view line) {
+  if (!wanted_) return;
+  const std::lock_guard lock(mutex_);
+  wipe();
+  const std::string text = fmt::format("pellucid: note: {}\n", line);
+  std::fputs(text.c_str(), stderr);
+}
+
+bool TerminalProgress::stop_requested() const {
+  return stop_flag;
+}
+
+void TerminalProgress::set_file(const std::string& file) {
+  const std::lock_guard lock(mutex_);
+  file_ = file.empty() ? "" : file + ": ";
+}
+
+void TerminalProgress::set_subject(const std::string& subject) {
+  const std::lock_guard lock(mutex_);
+  subject_ = subject.empty() ? "" : subject + ": ";
+}
+
+void TerminalProgress::clear() {
+  const std::lock_guard lock(mutex_);
+  wipe();
+  in_stage_ = false;
+}
+
+void TerminalProgress::wipe() {
+  if (on_screen_) std::fputs("\r\033[K", stderr);
+  on_screen_ = false;
+}
+
+void TerminalProgress::keep_drawing() {
+  std::unique_lock lock(mutex_);
+  while (!closes_.wait_for(lock, kRedrawEvery, [this] { return closing_; })) {
+    if (in_stage_) draw();
+  }
+}
+
+void TerminalProgress::draw() {
+  on_screen_ = true;
+  const double seconds = std::chrono::duration<double>(Clock::now() - started_).count();
+  const auto done = static_cast<double>(done_);
+  std::string line = "\r\033[K" + file_ + subject_ + stage_;
+  if (total_ > 0) {
+    const double share = std::min(1.0, done / static_cast<double>(total_));
+    const auto filled = static_cast<std::size_t>(share * kBarCells);
+    line += fmt::format("  [{}{}] {:3.0f} %", std::string(filled, '='), std::string(kBarCells - filled, ' '),
+                        100 * share);
+    if (seconds > 0.5 && share > 0) {
+      line += fmt::format("  {}, {} left", rate_text(done / seconds), clock_text(seconds / share - seconds));
+    } else if (seconds > 0.5) {
+      line += "  " + clock_text(seconds);
+    }
+  } else if (seconds > 0.5) {
+    // The amount of work is not known in advance.
+    line += "  " + clock_text(seconds);
+    if (done > 0) line += fmt::format(", {:.0f} done, {}", done, rate_text(done / seconds));
+  }
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void install_stop_signals() {
+  platform::set_on_stop_signal(stop_flag);
+}
+
+void stop_if_signalled() {
+  if (stop_flag) throw Error(ErrorKind::interrupted, "interrupted");
+}
+
+// --------------------------------------------------------------------------------------------------- session
+
 namespace {
 
 void write_stdout(const std::string& text) {
@@ -25,16 +197,20 @@ Session::Session(CommonOptions options)
 
 Session::~Session() = default;
 
+Progress* Session::progress() const {
+  return progress_.get();
+}
+
 void Session::set_subject(const std::string& subject) {
-  static_cast<TerminalProgress&>(*progress_).set_subject(subject);
+  progress_->set_subject(subject);
 }
 
 void Session::set_file(const std::string& file) {
-  static_cast<TerminalProgress&>(*progress_).set_file(file);
+  progress_->set_file(file);
 }
 
 void Session::print(const std::string& text) const {
-  static_cast<TerminalProgress&>(*progress_).clear();
+  progress_->clear();
   if (options_.json != "-" && !options_.quiet) write_stdout(text);
 }
 
@@ -43,12 +219,12 @@ void Session::note(const std::string& line) const {
 }
 
 void Session::complain(const std::string& message) const {
-  static_cast<TerminalProgress&>(*progress_).clear();
+  progress_->clear();
   cli::complain(message);
 }
 
 void complain(const std::string& message) {
-  // One line, whatever a file name holds.
+  // File names may contain line breaks; the message stays on one line.
   std::string line = message;
   for (char& c : line) {
     if (c == '\n' || c == '\r') c = ' ';
@@ -58,7 +234,7 @@ void complain(const std::string& message) {
 
 void Session::detail(const std::string& line) const {
   if (!options_.verbose) return;
-  static_cast<TerminalProgress&>(*progress_).clear();
+  progress_->clear();
   std::fprintf(stderr, "pellucid: %s\n", line.c_str());
 }
 
@@ -67,7 +243,7 @@ void Session::check_json() const {
 }
 
 void Session::write_json(const std::string& json) const {
-  static_cast<TerminalProgress&>(*progress_).clear();
+  progress_->clear();
   if (options_.json.empty()) return;
   if (options_.json == "-") {
     write_stdout(json);
@@ -88,7 +264,7 @@ void check_writable(const std::string& path) {
   if (platform::file_kind(folder) != platform::FileKind::folder) refuse("there is no folder " + folder);
   const platform::FileKind kind = platform::file_kind(path);
   if (kind == platform::FileKind::folder) refuse("it is a directory");
-  // A device is written into, a file is replaced: by another that is made in its folder.
+  // A device is written into. A file is replaced by another that is made in its folder.
   if (kind != platform::FileKind::missing) refuse_unless_writable(path);
   if (kind != platform::FileKind::device) refuse_unless_writable(folder);
 }
@@ -113,7 +289,7 @@ int exit_code(ErrorKind kind) {
 }
 
 const char* const kOutOfMemory =
-    "out of memory: try a smaller mesh (--simplify), fewer view cells (--views S1,2) or a smaller picture "
+    "out of memory: try a smaller mesh (--simplify), fewer view cells (--partition S1,2) or a smaller image "
     "(--size)";
 
 CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& description,
@@ -121,20 +297,23 @@ CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, co
   CLI::App* command = app.add_subcommand(name, description);
   auto options = std::make_shared<CommonOptions>();
   options->seed = default_seed;
-  command->add_option("--json", options->json, "Write statistics as JSON to FILE (\"-\": stdout, no table)")
-      ->type_name("FILE")
-      ->group("Common");
+  command->get_help_ptr()->group(kCommonGroup);
   command
-      ->add_option("--threads", options->threads,
-                   "Use at most N threads (0: all cores); never changes results")
-      ->type_name("N")
-      ->group("Common");
-  command->add_option("--seed", options->seed, "Seed of everything random")
+      ->add_option("--json", options->json,
+                   "Write statistics as JSON to FILE; \"-\": to stdout, instead of the table")
+      ->type_name("FILE")
+      ->group(kCommonGroup);
+  command
+      ->add_option("--threads", options->threads, "Use at most N threads; 0: all cores. Results never change")
       ->type_name("N")
       ->capture_default_str()
-      ->group("Common");
-  command->add_flag("-q,--quiet", options->quiet, "Errors only")->group("Common");
-  command->add_flag("-v,--verbose", options->verbose, "Tell more on stderr")->group("Common");
+      ->group(kCommonGroup);
+  command->add_option("--seed", options->seed, "Seed of all random numbers")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kCommonGroup);
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only")->group(kCommonGroup);
+  command->add_flag("-v,--verbose", options->verbose, "Print more details to stderr")->group(kCommonGroup);
   command->footer("Examples:\n" + examples);
   command->callback([&chosen, options, work = std::move(work)] {
     chosen.options = *options;

@@ -1,4 +1,5 @@
-// What the subcommands share: common options, results on stdout, notes on stderr, progress, and how to stop.
+// What the subcommands share: common options, results on stdout, notes and progress on stderr, stopping, exit
+// codes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,8 @@
 #include "pellucid/base.h"
 
 namespace pellucid::cli {
+
+class TerminalProgress;
 
 struct CommonOptions {
   std::string json;  // file for the machine-readable statistics; "-": stdout, instead of the table
@@ -29,40 +32,50 @@ class Session {
 
   [[nodiscard]] const CommonOptions& options() const { return options_; }
   // Never null. Prints a bar when stderr is a terminal, and knows when the user pressed Ctrl-C.
-  [[nodiscard]] Progress* progress() const { return progress_.get(); }
-  // Progress reports "2/5 name: graph" from now on; empty: the plain stage.
+  [[nodiscard]] Progress* progress() const;
+  // Puts "2/5 name: " before the stage in progress reports from now on; empty: nothing.
   void set_subject(const std::string& subject);
-  // The same for the file, where there are several; stands before the subject.
+  // Does the same for the file, where there are several, before the subject.
   void set_file(const std::string& file);
 
-  // Results, unless the JSON goes to stdout.
+  // Prints results to stdout, unless the JSON goes there.
   void print(const std::string& text) const;
-  // Things that the user should know, one line each; not with --quiet.
+  // Prints something the user should know as one line of stderr, except with --quiet.
   void note(const std::string& line) const;
-  // One line of an error, even with --quiet.
+  // Prints an error as one line of stderr, also with --quiet.
   void complain(const std::string& message) const;
-  void detail(const std::string& line) const;  // only with --verbose
-  // Throws as check_writable() does if what --json asked for cannot be written.
+  // Prints one line to stderr, only with --verbose.
+  void detail(const std::string& line) const;
+  // Throws as check_writable() does if the file of --json cannot be written.
   void check_json() const;
-  // Writes what --json asked for.
+  // Writes the JSON to where --json says, if it was given.
   void write_json(const std::string& json) const;
 
  private:
   CommonOptions options_;
-  std::unique_ptr<Progress> progress_;
+  std::unique_ptr<TerminalProgress> progress_;
 };
 
-// Throws Error{cannot_write} if there is no such folder, the path is one, or writing is not permitted: known
-// now, not after minutes of work.
+// Throws Error{cannot_write} if there is no such folder, the path is a folder, or writing is not permitted.
+// Called before the work, which may take minutes.
 void check_writable(const std::string& path);
 
-// "pellucid: message" on stderr, on one line.
+// Makes Ctrl-C and SIGTERM raise the flag that stop_requested() reads; a second one ends the process at once.
+void install_stop_signals();
+// Throws Error{interrupted} once the flag is up.
+void stop_if_signalled();
+
+// Prints "pellucid: message" on one line of stderr.
 void complain(const std::string& message);
+
+// Returns the exit code of a failure: 1 internal, 2 usage, 3 bad input, 4 nothing to do, 5 quality target
+// missed, 130 interrupted.
 int exit_code(ErrorKind kind);
-// What is said where memory does not suffice.
+
+// The message where memory does not suffice.
 extern const char* const kOutOfMemory;
 
-// A subcommand's work, run after parsing; what it throws becomes a message and an exit code.
+// A subcommand's work, run after parsing. What it throws becomes a message and an exit code.
 using Work = std::function<void(Session&)>;
 
 // Receives the work of the subcommand that the user chose.
@@ -71,7 +84,10 @@ struct Chosen {
   Work work;
 };
 
-// Adds `name` with the common options. `examples`: one command line each, shown below the help.
+// The last group of every --help.
+constexpr const char* kCommonGroup = "Common";
+
+// Adds the subcommand `name` with the common options. `examples` are command lines, shown below the help.
 CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& description,
                       const std::string& examples, std::uint64_t default_seed, Work work);
 

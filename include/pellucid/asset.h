@@ -75,6 +75,10 @@ struct Model {
   std::shared_ptr<const GltfDocument> document;  // null for other formats
 };
 
+inline bool is_gltf(const Model& model) {
+  return model.format == "gltf" || model.format == "glb";
+}
+
 struct ReadOptions {
   // A file that asks for more vertices or triangles than this is refused before anything is allocated for
   // them.

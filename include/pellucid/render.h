@@ -27,6 +27,7 @@
 #include "pellucid/budget.h"
 #include "pellucid/mesh.h"
 #include "pellucid/raster.h"
+#include "pellucid/scene.h"
 
 namespace pellucid {
 
@@ -56,44 +57,6 @@ struct DeviceInfo {
   // (VK_EXT_rasterization_order_attachment_access), how many 128-bit ones.
   std::uint32_t ordered_attachments = 0;
   bool interlock = false;  // critical sections of fragment shaders (VK_EXT_fragment_shader_interlock)
-};
-
-// ----------------------------------------------------------------------------------------- what is drawn
-
-// Rows from the upper left, where texture coordinates are 0; four bytes a texel: sRGB colour and linear
-// opacity, not premultiplied.
-struct Texture {
-  std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;
-  TextureSampling sampling{};
-};
-// What all textures of a scene take on the device, with their smaller levels: of larger ones the largest are
-// halved until they fit.
-constexpr std::uint64_t kMostTextureBytes = std::uint64_t{64} << 20U;
-
-struct Surface {
-  Vec3f color{1, 1, 1};  // linear
-  float alpha = 0.5F;    // opacity of a sheet that is seen head-on
-  bool double_sided = true;
-  // Where an effect blends, opaque surfaces are not captured: they are drawn first, and fragments at their
-  // depth or behind it are none. Their alpha is taken for 1.
-  bool opaque = false;
-  std::optional<std::uint32_t> texture{};  // index into RenderScene::textures; multiplies colour and alpha
-  float cutoff = 0;  // where colours of vertices and texture leave less opacity than this, nothing is drawn
-};
-
-struct RenderScene {
-  std::vector<Vec3f> positions;  // world space
-  std::vector<Vec3f> normals;    // one per position; zero: the face's
-  std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> objects;  // of every triangle: index into `surfaces`
-  std::vector<Surface> surfaces;
-  std::vector<std::array<float, 2>> texcoords;  // one per position; empty: nothing has a texture
-  std::vector<std::array<float, 4>> colors;     // one per position, multiply those of surfaces; empty: all 1
-  std::vector<Texture> textures;
-  // Drawing sequence of the triangles; empty: as they are. Fragment ids refer to `triangles` all the same.
-  // Opaque surfaces that are drawn first have a sequence of their own.
-  std::vector<std::uint32_t> sequence;
 };
 
 // --------------------------------------------------------------------------------- techniques and effects

@@ -129,7 +129,7 @@ TEST(BadOutput, UnwritableFolder) {
                  "locked/out.glb");
 }
 
-TEST(BadUsage, IsTwoWithOneLine) {
+TEST(BadUsage, ExitsWith2AndOneLine) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");
   const std::string in = samples().plain;
@@ -139,8 +139,8 @@ TEST(BadUsage, IsTwoWithOneLine) {
                                Arguments{"order", in},
                                Arguments{"order", in, "-o", folder.file("out.obj")},
                                Arguments{"order", in, "-o", out, "--method", "magic"},
-                               Arguments{"order", in, "-o", out, "--views", "Q7"},
-                               Arguments{"order", in, "-o", out, "--views", "S99,2"},
+                               Arguments{"order", in, "-o", out, "--partition", "Q7"},
+                               Arguments{"order", in, "-o", out, "--partition", "S99,2"},
                                Arguments{"order", in, "-o", out, "--cache", "2"},
                                Arguments{"order", in, "-o", out, "--distances", "3,0.5"},
                                Arguments{"order", in, "-o", out, "--distances", "3,"},

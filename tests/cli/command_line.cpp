@@ -140,8 +140,8 @@ std::vector<std::string> TemporaryFolder::files() const {
 }
 
 Arguments quick_order(const std::string& input, const std::string& output, const Arguments& more) {
-  Arguments arguments{"order",       input, "-o",        output, "--views",    "S0,1",
-                      "--distances", "3",   "--buffers", "2",    "--validate", "0"};
+  Arguments arguments{"order",       input, "-o",        output, "--partition",   "S0,1",
+                      "--distances", "3",   "--buffers", "2",    "--check-views", "0"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

@@ -51,11 +51,11 @@ const std::string& knot() {
   return kMade.path;
 }
 
-const Arguments kBudget{"--views", "S0,0", "--distances", "3", "--buffers", "2", "--validate", "2"};
-const Arguments kAcyclic{"--views", "S0,0",        "--distances", "3",          "--method",
-                         "acyclic", "--tolerance", "0.01",        "--validate", "2"};
-const Arguments kUpsampled{"--views",         "S0,0", "--distances", "3", "--buffers",  "2",
-                           "--upsample-from", "150",  "--refine",    "2", "--validate", "2"};
+const Arguments kBudget{"--partition", "S0,0", "--distances", "3", "--buffers", "2", "--check-views", "2"};
+const Arguments kAcyclic{"--partition", "S0,0", "--distances",   "3", "--method", "acyclic",
+                         "--tolerance", "0.01", "--check-views", "2"};
+const Arguments kUpsampled{"--partition",     "S0,0", "--distances", "3", "--buffers",     "2",
+                           "--upsample-from", "150",  "--refine",    "2", "--check-views", "2"};
 
 TEST(LongRuns, KilledRunsContinueToTheSameBytes) {
   for (const Arguments& options : {kAcyclic, kUpsampled}) {
@@ -120,7 +120,7 @@ TEST(LongRuns, RecordsServeTheirOwnOptionsAndAnyNumberOfThreads) {
   EXPECT_FALSE(fs::exists(records));
 }
 
-TEST(LongRuns, ADamagedRecordIsOneLineAndComputedAnew) {
+TEST(LongRuns, ADamagedRecordIsReportedInOneLineAndComputedAgain) {
   const TemporaryFolder folder;
   const std::string records = folder.file("records");
   const std::string out = folder.file("out.glb");
@@ -142,7 +142,7 @@ TEST(LongRuns, ADamagedRecordIsOneLineAndComputedAnew) {
   EXPECT_TRUE(slurp(out) == slurp(expected));
 }
 
-TEST(LongRuns, AFolderThatCannotBeWrittenIsOneLine) {
+TEST(LongRuns, AFolderThatCannotBeWrittenIsReportedInOneLine) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");
   const std::string file = folder.file("file");
@@ -157,7 +157,7 @@ TEST(LongRuns, AFolderThatCannotBeWrittenIsOneLine) {
 }
 
 // Records, the model, the frontier and --memory's temporary file, each on a disk that is full.
-TEST(LongRuns, AFullDiskIsOneLineAndLeavesNothing) {
+TEST(LongRuns, AFullDiskIsReportedInOneLineAndLeavesNoFiles) {
   const Arguments order = joined({"order", knot()}, kBudget);
   struct Case {
     Arguments more;  // file names: in a folder of their own

@@ -76,7 +76,7 @@ std::string write_overdraw_sample(const std::string& path) {
   return path;
 }
 
-TEST(MeasureCommand, OverdrawOrdersAreNoOrdersToBeMeasured) {
+TEST(MeasureCommand, DoesNotMeasureOverdrawOrders) {
   const TemporaryFolder folder;
   const std::string path = write_overdraw_sample(folder.file("overdraw.glb"));
   const Finished done = run_pellucid(quick_measure({path}, {"--json", "-"}));
@@ -133,7 +133,7 @@ TEST(MeasureCommand, ReportNeedsOrders) {
   EXPECT_TRUE(folder.files().empty());
 }
 
-TEST(MeasureCommand, MeasuresTheRivalsThatAreAskedFor) {
+TEST(MeasureCommand, MeasuresTheBaselinesAskedFor) {
   const Finished done =
       run_pellucid(quick_measure({samples().ordered}, {"--json", "-", "--baselines", "bsp,dptl"}));
   ASSERT_EQ(done.code, 0) << done.err;
@@ -151,7 +151,7 @@ TEST(MeasureCommand, MeasuresTheRivalsThatAreAskedFor) {
   EXPECT_LT(orders["ordered"]["nanoseconds_per_frame"], orders["bsp"]["nanoseconds_per_frame"]);
 }
 
-TEST(MeasureCommand, RefusesRivalsThatItDoesNotKnow) {
+TEST(MeasureCommand, RefusesUnknownBaselines) {
   for (const char* list : {"bps", "bsp,", "", "all,bsp"}) {
     const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--baselines", list}));
     EXPECT_EQ(done.code, 2) << list << ": " << done.err;
@@ -161,9 +161,9 @@ TEST(MeasureCommand, RefusesRivalsThatItDoesNotKnow) {
             2);
 }
 
-TEST(MeasureCommand, RefusesDistancesThatMakeNoSense) {
+TEST(MeasureCommand, RefusesInvalidDistanceRanges) {
   for (const char* distances : {"5,2", "0.5,2", "2", "2,inf", "a,b", "2,5x"}) {
-    const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--distances", distances}));
+    const Finished done = run_pellucid(quick_measure({samples().ordered}, {"--distance-range", distances}));
     EXPECT_EQ(done.code, 2) << distances << ": " << done.err;
     EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   }

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Arguments kQuick{"--views", "S0,1", "--distances", "3", "--buffers", "2", "--validate", "0"};
+const Arguments kQuick{"--partition", "S0,1", "--distances", "3", "--buffers", "2", "--check-views", "0"};
 
 Arguments order_all(const Arguments& inputs, const std::string& output, const Arguments& more = {}) {
   Arguments arguments{"order"};
@@ -114,7 +114,7 @@ TEST(OrderBatch, TheGravestFailureGivesTheExitCode) {
   EXPECT_EQ(code({knot, library.empty}, {"--max-error", "0.0001"}), 4);
 }
 
-TEST(OrderBatch, RefusesUpFrontWhatCannotEndWell) {
+TEST(OrderBatch, RefusesConflictingOutputsBeforeAnyWork) {
   const Library library;
   const TemporaryFolder elsewhere;
   const std::string twin = elsewhere.file("quad.stl");
@@ -140,17 +140,17 @@ TEST(OrderBatch, ReadsListsWithComments) {
   const std::string list = library.in.file("list.txt");
   spill(list, "# models\r\n\n  " + library.quad + "  \r\n\t# " + library.broken + "\n" + library.goblet);
   const std::string folder = library.out.file("out/");
-  const Finished done = run_pellucid(order_all({}, folder, {"--list", list}));
+  const Finished done = run_pellucid(order_all({}, folder, {"--model-list", list}));
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_TRUE(fs::exists(folder + "quad.glb"));
   EXPECT_TRUE(fs::exists(folder + "goblet.glb"));
 
   spill(list, "# nothing\n");
-  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--list", list})).code, 2);
-  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--list", library.in.file("none.txt")})).code, 3);
+  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--model-list", list})).code, 2);
+  EXPECT_EQ(run_pellucid(order_all({}, folder, {"--model-list", library.in.file("none.txt")})).code, 3);
 }
 
-TEST(OrderBatch, SkipsWhatIsThere) {
+TEST(OrderBatch, SkipsOutputsThatExist) {
   const Library library;
   const std::string folder = library.out.file("out/");
   const std::string json_path = library.out.file("all.json");
@@ -169,7 +169,7 @@ TEST(OrderBatch, SkipsWhatIsThere) {
   EXPECT_NE(slurp(folder + "quad.glb"), "as it was");
 }
 
-TEST(OrderBatch, AnInterruptionKeepsWhatIsDone) {
+TEST(OrderBatch, AnInterruptionKeepsFinishedFiles) {
   const Library library;
   const std::string knot = library.in.file("knot.glb");
   ASSERT_EQ(run_pellucid({"sample", "torus-knot", "-o", knot, "--detail", "2"}).code, 0);

@@ -38,8 +38,8 @@ TEST(OrderCommand, ViewTrianglesAndRegionsAreOrderedWrittenAndMeasured) {
   for (const char* views : {"T0", "R0"}) {
     for (const char* method : {"budget", "acyclic"}) {
       std::vector<std::string> arguments{
-          "order",    samples().plain, "-o",         out, "--views",     views,
-          "--method", method,          "--validate", "0", "--distances", "2,5"};
+          "order", samples().plain, "-o", out,           "--partition", views, "--method",
+          method,  "--check-views", "0",  "--distances", "2,5"};
       const Finished done = run_pellucid(arguments);
       ASSERT_EQ(done.code, 0) << done.err;
       const Finished inspect = run_pellucid({"inspect", out, "--json", "-"});
@@ -51,7 +51,7 @@ TEST(OrderCommand, ViewTrianglesAndRegionsAreOrderedWrittenAndMeasured) {
   }
 }
 
-TEST(OrderCommand, TheCacheMethodIsKnownAndMatters) {
+TEST(OrderCommand, ReportsTheCacheMethodWhichChangesTheOrders) {
   const TemporaryFolder folder;
   const auto misses = [&](const std::vector<std::string>& options) {
     std::vector<std::string> arguments{"--json", folder.file("out.json")};
@@ -69,7 +69,7 @@ TEST(OrderCommand, TheCacheMethodIsKnownAndMatters) {
   EXPECT_LE(scheduled, misses({"--cache-slack", "0"}));
 }
 
-TEST(OrderCommand, IsSilentInAPipeWhenAllIsWell) {
+TEST(OrderCommand, PrintsNothingToStderrOnSuccess) {
   const TemporaryFolder folder;
   const Finished done = run_pellucid(quick_order(samples().plain, folder.file("out.glb"), {"--quiet"}));
   EXPECT_EQ(done.code, 0);
@@ -85,8 +85,8 @@ TEST(OrderCommand, SameBytesForAnyNumberOfThreads) {
     for (const char* threads : {"1", "2"}) {
       const std::string out = folder.file("out.glb");
       const Finished done =
-          run_pellucid({"order", samples().plain, "-o", out, "--views", "S0,1", "--distances", "2,inf",
-                        "--method", method, "--threads", threads, "--validate", "2"});
+          run_pellucid({"order", samples().plain, "-o", out, "--partition", "S0,1", "--distances", "2,inf",
+                        "--method", method, "--threads", threads, "--check-views", "2"});
       ASSERT_EQ(done.code, 0) << done.err;
       if (bytes.empty()) bytes = slurp(out);
       EXPECT_TRUE(bytes == slurp(out)) << method << " with " << threads << " threads";
@@ -107,19 +107,19 @@ TEST(OrderCommand, EveryEncodingAndDirectionIsReadBack) {
   }
 }
 
-TEST(OrderCommand, MissedQualityIsFiveAndTheFileIsThere) {
+TEST(OrderCommand, MissedQualityExitsWith5AndWritesTheFile) {
   const TemporaryFolder folder;
   const std::string knot = folder.file("knot.glb");
   const std::string out = folder.file("out.glb");
   ASSERT_EQ(run_pellucid({"sample", "torus-knot", "-o", knot, "--detail", "0.1"}).code, 0);
-  const Finished done = run_pellucid({"order", knot, "-o", out, "--views", "S0,1", "--max-buffers", "1",
-                                      "--max-error", "0.0000001", "--validate", "0"});
+  const Finished done = run_pellucid({"order", knot, "-o", out, "--partition", "S0,1", "--max-buffers", "1",
+                                      "--max-error", "0.0000001", "--check-views", "0"});
   EXPECT_EQ(done.code, 5) << done.err;
   EXPECT_EQ(count_lines(done.err), 1U) << done.err;
   EXPECT_TRUE(std::filesystem::exists(out));
 }
 
-TEST(OrderCommand, NothingToOrderIsFour) {
+TEST(OrderCommand, NothingToOrderExitsWith4) {
   const TemporaryFolder folder;
   const std::string points = folder.file("points.obj");
   spill(points, "v 0 0 0\nv 1 0 0\nv 0 1 0\n");

@@ -250,7 +250,7 @@ TEST(SampleCommand, EveryListedSampleCanBeMade) {
   }
 }
 
-TEST(SampleCommand, NamesTheKnownOnesWhenItDoesNotKnowOne) {
+TEST(SampleCommand, NamesTheKnownSamplesForAnUnknownOne) {
   const TemporaryFolder folder;
   const Finished done = run_pellucid({"sample", "teacup", "-o", folder.file("t.glb")});
   EXPECT_EQ(done.code, 2);
@@ -279,7 +279,7 @@ TEST(TechniquesCommand, NamesADeviceThatIsNotThere) {
 }
 #endif
 
-TEST(InspectCommand, TellsWhatIsInAFile) {
+TEST(InspectCommand, PrintsTheContentsOfAFile) {
   const Finished plain = run_pellucid({"inspect", samples().plain});
   EXPECT_EQ(plain.code, 0);
   EXPECT_NE(plain.out.find("BLEND"), std::string::npos);

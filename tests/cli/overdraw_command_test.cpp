@@ -71,7 +71,7 @@ std::string moving_shells(const TemporaryFolder& folder) {
 
 // In a moment: few viewpoints, small pictures.
 Arguments quick(const std::string& input, const Arguments& more = {}) {
-  Arguments arguments{"overdraw", input, "--viewpoints", "42", "--size", "64", "--pictures", "60"};
+  Arguments arguments{"overdraw", input, "--views", "42", "--size", "64", "--max-images", "60"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -183,7 +183,7 @@ class FileDrawing {
   std::vector<std::vector<std::uint32_t>> ranks_;
 };
 
-TEST(OverdrawCommand, TheFileDrawsAsMeasured) {
+TEST(OverdrawCommand, TheWrittenFileDrawsAsMeasured) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
   for (const char* encoding : {"patches", "indices", "meshopt"}) {
@@ -211,7 +211,7 @@ TEST(OverdrawCommand, WritesTheSameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(slurp(folder.file("1.glb")), slurp(folder.file("2.glb")));
 }
 
-TEST(OverdrawCommand, GivesEveryAnimationItsOwnBuffersOnDemand) {
+TEST(OverdrawCommand, MakesBuffersPerAnimationWhenAsked) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
   const Finished done = run_pellucid(quick(input, {"-o", folder.file("o.glb"), "--per-animation", "--buffers",
@@ -223,7 +223,7 @@ TEST(OverdrawCommand, GivesEveryAnimationItsOwnBuffersOnDemand) {
   EXPECT_EQ(run_pellucid({"inspect", folder.file("o.glb")}).code, 0);
 }
 
-TEST(OverdrawCommand, NeverShadesMoreThanTheInput) {
+TEST(OverdrawCommand, NeverWastesMoreFragmentsThanTheInput) {
   const TemporaryFolder folder;
   const std::string input = folder.file("tetrahedron.obj");
   spill(input, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
@@ -235,7 +235,7 @@ TEST(OverdrawCommand, NeverShadesMoreThanTheInput) {
             json["baselines"]["input"]["overdraw_mean"].get<double>());
 }
 
-TEST(OverdrawCommand, GivesAMeshWithoutMaterialOneThatItsOrdersHoldFor) {
+TEST(OverdrawCommand, WritesAnOpaqueMaterialForMeshesWithoutOne) {
   const TemporaryFolder folder;
   const std::string mesh = folder.file("tetrahedron.obj");
   spill(mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
@@ -263,7 +263,7 @@ TEST(OverdrawCommand, InterruptedLeavesNothing) {
   EXPECT_TRUE(folder.files().empty());
 }
 
-TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
+TEST(OverdrawCommand, RefusesInvalidOptions) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
   const auto code = [&](const Arguments& more) {
@@ -278,7 +278,7 @@ TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
   EXPECT_EQ(code({"--baselines", "magic"}), 2);
   EXPECT_EQ(code({"--keyframe-rate", "-1"}), 2);
   EXPECT_EQ(code({"--joint", "--per-animation"}), 2);
-  const Finished many = run_pellucid({"overdraw", input, "--viewpoints", "100"});
+  const Finished many = run_pellucid({"overdraw", input, "--views", "100"});
   EXPECT_EQ(many.code, 2);
   EXPECT_EQ(run_pellucid({"overdraw", folder.file("nowhere.glb")}).code, 3);
   // Everything in the sample is translucent: nothing to do.
@@ -288,7 +288,7 @@ TEST(OverdrawCommand, RefusesWhatMakesNoSense) {
   for (const std::string& file : folder.files()) EXPECT_EQ(file.find("o."), std::string::npos) << file;
 }
 
-TEST(OverdrawCommand, WritesPictures) {
+TEST(OverdrawCommand, WritesReportChartAndHeatMaps) {
   const TemporaryFolder folder;
   const std::string input = moving_shells(folder);
   ASSERT_EQ(run_pellucid(quick(input, {"--baselines", "original", "--report", folder.file("r.html"),
@@ -326,11 +326,11 @@ TEST(OverdrawCommand, RefusesToSubdivideInABuildWithoutOpenSubdiv) {
 
 #if defined(PELLUCID_WITH_RENDERER)
 // What is drawn first stays: the sequence of drawing is that of the orders, at rest and in motion.
-TEST(OverdrawCommand, RendersInTheSequenceOfTheOrders) {
+TEST(OverdrawCommand, RendersInTheDrawOrderOfTheFile) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");
-  ASSERT_EQ(run_pellucid({"overdraw", moving_shells(folder), "-o", out, "--baselines", "none", "--measure",
-                          "4", "--size", "64", "--viewpoints", "12"})
+  ASSERT_EQ(run_pellucid({"overdraw", moving_shells(folder), "-o", out, "--baselines", "none",
+                          "--check-views", "4", "--size", "64", "--views", "12"})
                 .code,
             0);
   const auto drawn = [&](const std::string& technique, const Arguments& more) {

@@ -32,15 +32,15 @@ std::string crossing_boards() {
 
 nlohmann::json order(const std::string& input, const std::string& output, const Arguments& more,
                      const std::string& json) {
-  Arguments arguments{"order",     input, "-o",         output, "--views", "S0,1",
-                      "--buffers", "4",   "--validate", "8",    "--json",  json};
+  Arguments arguments{"order", input,           "-o", output,   "--partition", "S0,1", "--buffers",
+                      "4",     "--check-views", "8",  "--json", json};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const Finished done = run_pellucid(arguments);
   EXPECT_EQ(done.code, 0) << done.err;
   return parse_json_file(json);
 }
 
-TEST(SplitCommand, CutsWhatIntersectsAndSaysSo) {
+TEST(SplitCommand, CutsIntersectingFacesAndReportsIt) {
   const TemporaryFolder folder;
   const std::string input = folder.file("boards.obj");
   spill(input, crossing_boards());

@@ -22,7 +22,7 @@ struct Box {
   }
 };
 
-// The box over all clips, from `poses` evenly spaced moments of each, both ends included.
+// The box over all clips, from `poses` evenly spaced poses of each, both ends included.
 Box box_over_clips(const PosableModel& model, int poses) {
   Box box;
   std::vector<Vec3f> positions;

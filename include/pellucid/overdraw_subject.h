@@ -1,15 +1,21 @@
-// A model file as what overdraw orders are made for, and these orders as what is written.
+// pellucid/overdraw_subject.h - module `scene`: a model file as what overdraw orders are made for.
+//
+// In: a Model and the choice of its animations. Out: its opaque triangles in all key frames, as measured and
+// ordered by pellucid/overdraw.h, and the orders of that as what write_model() stores.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pellucid/asset.h"
-#include "pellucid/overdraw_report.h"
+#include "pellucid/baseline.h"
+#include "pellucid/metric.h"
+#include "pellucid/overdraw.h"
 #include "pellucid/scene.h"
 
-namespace pellucid::cli {
+namespace pellucid {
 
 enum class SidesChoice { automatic, single, both };
 
@@ -34,19 +40,20 @@ struct PosedSubject {
   std::vector<Vec3f> rest;
   std::vector<std::string> notes;
 };
-// Throws Error{nothing_to_do} where no opaque triangle is drawn, Error{bad_argument} for an animation that is
-// not there.
+// Collects the opaque parts of the model and their poses. Throws Error{nothing_to_do} where no opaque
+// triangle is drawn, Error{bad_argument} for an animation that is not there.
 PosedSubject make_subject(const Model& model, const SubjectOptions& options);
 
-// The same model in poses halfway between its key frames; `nearest`: the key frame of each.
+// The same model in poses halfway between its key frames, and for each the key frame before it.
 struct PosesBetween {
   OverdrawSubject subject;
   std::vector<std::uint32_t> nearest;
 };
 PosesBetween poses_between(const Model& model, const PosedSubject& posed, const SubjectOptions& options);
 
-// What write_model() needs, one entry per primitive. `options`: those that the orders were made with.
+// Returns what write_model() needs, one entry per primitive. `options` are those that the orders were made
+// with.
 std::vector<OrderedPrimitive> ordered_primitives(const PosedSubject& posed, const OverdrawSets& sets,
                                                  const OverdrawOptions& options);
 
-}  // namespace pellucid::cli
+}  // namespace pellucid

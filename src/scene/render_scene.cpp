@@ -1,13 +1,13 @@
-// From a Scene to what the renderer draws: see render_scene.h.
-#include "render_scene.h"
-
+// Surfaces and draw orders of scenes: see pellucid/scene.h.
 #include <algorithm>
 #include <iterator>
 #include <numeric>
 
 #include "pellucid/material.h"
+#include "pellucid/scene.h"
+#include "pellucid/sequencing.h"
 
-namespace pellucid::cli {
+namespace pellucid {
 namespace {
 
 std::vector<Texture> textures_of(const Materials& materials) {
@@ -35,7 +35,7 @@ Surface surface_of(const PrimitiveLook& file, const SurfaceLook& uniform) {
   return surface;
 }
 
-// Colours and texture coordinates of an object's vertices, where others or it have some.
+// Copies colours and texture coordinates of an object's vertices, where it or another object has some.
 void copy_attributes(const PrimitiveLook& look, std::uint32_t first_vertex, RenderScene& scene) {
   const auto first = static_cast<std::ptrdiff_t>(first_vertex);
   if (!look.texcoords.empty()) {
@@ -77,7 +77,7 @@ RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces s
 
 namespace {
 
-// Is the front of the triangle seen? Counter-clockwise ones show it.
+// Returns whether the camera sees the front of the triangle, whose corners are counter-clockwise from there.
 bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera) {
   const Triangle& t = mesh.triangles[triangle];
   const Vec3d a = to_double(mesh.positions[t[0]]);
@@ -85,9 +85,9 @@ bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera)
   return dot(normal, camera.perspective ? camera.eye - a : -camera.forward) > 0;
 }
 
-// Triangles by their ranks, those that are given for nodes by that of the side that is seen.
+// Appends triangles by their ranks. Ranks are those of nodes: the side that the camera sees decides.
 void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t first_triangle,
-                     const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& sequence) {
+                     const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& order) {
   std::vector<std::uint32_t> own(ranks.size() / 2);
   std::vector<std::uint32_t> seen(own.size());
   std::iota(own.begin(), own.end(), 0U);
@@ -98,34 +98,37 @@ void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t firs
   }
   std::stable_sort(own.begin(), own.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return seen[a] < seen[b]; });
-  for (const std::uint32_t t : own) sequence.push_back(first_triangle + t);
+  for (const std::uint32_t t : own) order.push_back(first_triangle + t);
 }
 
-// Which of its overdraw orders draws a primitive; none for animations that they were not made for.
-std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& camera, const Moment& moment) {
-  if (!moment.animation) {
+// Returns which of its overdraw orders draws a primitive; none for animations that they were not made for.
+std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& camera,
+                                            const ScenePose& pose) {
+  if (!pose.animation) {
     return select_order(set, camera.perspective ? camera.eye - set.sphere.center : -camera.forward);
   }
   for (std::size_t i = 0; i < set.animations.size(); ++i) {
     const KeyFrameTable& table = set.animations[i];
-    if (table.animation != *moment.animation) continue;
-    if (camera.perspective) return select_order_at(set, i, moment.time, camera.eye);
-    return select_order(set, i, nearest_key_frame(table, moment.time), -camera.forward);
+    if (table.animation != *pose.animation) continue;
+    if (camera.perspective) return select_order_at(set, i, pose.time, camera.eye);
+    return select_order(set, i, nearest_key_frame(table, pose.time), -camera.forward);
   }
   return std::nullopt;
 }
 
-// Objects with overdraw orders, each with the order that draws it, as they come.
+// An object with overdraw orders and the order that draws it.
 struct OverdrawObject {
   std::uint32_t object = 0, order = 0;
   std::uint32_t rank = 0;  // among those of the model
 };
-std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& camera, const Moment& moment) {
+// Returns the objects that overdraw orders draw, by their ranks among those of the model.
+std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& camera,
+                                             const ScenePose& pose) {
   std::vector<OverdrawObject> chosen;
   for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
     const std::optional<OrderSet>& set = scene.primitives[scene.objects[o].primitive].overdraw_orders;
     if (!set) continue;
-    const std::optional<std::uint32_t> order = overdraw_order(*set, camera, moment);
+    const std::optional<std::uint32_t> order = overdraw_order(*set, camera, pose);
     if (order) chosen.push_back({o, *order, set->model_ranks.empty() ? 0 : set->model_ranks[*order]});
   }
   std::stable_sort(chosen.begin(), chosen.end(),
@@ -135,28 +138,28 @@ std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& c
 
 }  // namespace
 
-std::vector<std::uint32_t> drawing_sequence(const Scene& scene, const Camera& camera, const Moment& moment) {
+std::vector<std::uint32_t> drawing_order(const Scene& scene, const Camera& camera, const ScenePose& pose) {
   const bool in_depth =
-      !moment.animation && std::any_of(scene.primitives.begin(), scene.primitives.end(),
-                                       [](const CleanPrimitive& p) { return p.orders.has_value(); });
-  const std::vector<OverdrawObject> opaque = overdraw_objects(scene, camera, moment);
-  std::vector<std::uint32_t> sequence;
-  if (!in_depth && opaque.empty()) return sequence;
+      !pose.animation && std::any_of(scene.primitives.begin(), scene.primitives.end(),
+                                     [](const CleanPrimitive& p) { return p.orders.has_value(); });
+  const std::vector<OverdrawObject> opaque = overdraw_objects(scene, camera, pose);
+  std::vector<std::uint32_t> order;
+  if (!in_depth && opaque.empty()) return order;
   std::vector<std::uint8_t> drawn(scene.mesh.triangles.size(), 0);
   for (const OverdrawObject& chosen : opaque) {
     const SceneObject& object = scene.objects[chosen.object];
     const CleanPrimitive& primitive = scene.primitives[object.primitive];
     const auto count = static_cast<std::uint32_t>(primitive.mesh.triangles.size());
     append_in_order(ranks_of(primitive.overdraw_orders->orders[chosen.order], count), object.first_triangle,
-                    scene, camera, sequence);
+                    scene, camera, order);
   }
-  for (const std::uint32_t t : sequence) drawn[t] = 1;
+  for (const std::uint32_t t : order) drawn[t] = 1;
   std::vector<std::uint32_t> others;
   append_in_order(scene_ranks(scene, in_depth ? DrawOrder::buffers : DrawOrder::original, camera, {}), 0,
                   scene, camera, others);
-  std::copy_if(others.begin(), others.end(), std::back_inserter(sequence),
+  std::copy_if(others.begin(), others.end(), std::back_inserter(order),
                [&](std::uint32_t t) { return drawn[t] == 0; });
-  return sequence;
+  return order;
 }
 
-}  // namespace pellucid::cli
+}  // namespace pellucid

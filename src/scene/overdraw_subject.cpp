@@ -1,14 +1,12 @@
-// From a model file to a posed subject and back: see overdraw_subject.h.
-#include "overdraw_subject.h"
+// From a model file to posed triangles and back: see pellucid/overdraw_subject.h.
+#include "pellucid/overdraw_subject.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 
-#include "selection.h"
-
-namespace pellucid::cli {
+namespace pellucid {
 namespace {
 
 // Which parts take part: translucent ones hide nothing, and their order is another matter.
@@ -18,7 +16,7 @@ std::vector<std::size_t> opaque_parts(const Model& model, const PosableModel& po
   for (std::size_t i = 0; i < posable.parts().size(); ++i) {
     const Primitive& primitive = model.primitives[posable.parts()[i].primitive];
     if (is_gltf(model) && primitive.alpha_mode == AlphaMode::blend) {
-      notes.push_back(primitive.name + ": left out: its material is BLEND (pellucid order)");
+      notes.push_back(primitive.name + ": left out: its material is BLEND, which needs transparency orders");
     } else {
       parts.push_back(i);
     }
@@ -76,8 +74,8 @@ std::vector<std::uint32_t> choose_clips(const Model& model, const PosableModel& 
     std::string names;
     for (const AnimationClip& clip : posable.clips()) names += (names.empty() ? "" : ", ") + clip.name;
     throw Error(ErrorKind::bad_argument,
-                fmt::format("{}: --animation: there is no '{}' that moves something drawn{}", model.path,
-                            text, names.empty() ? "" : "; there are: " + names));
+                fmt::format("{}: there is no animation '{}' that moves something drawn{}", model.path, text,
+                            names.empty() ? "" : "; there are: " + names));
   }
   return chosen;
 }
@@ -251,4 +249,4 @@ std::vector<OrderedPrimitive> ordered_primitives(const PosedSubject& posed, cons
   return ordered;
 }
 
-}  // namespace pellucid::cli
+}  // namespace pellucid

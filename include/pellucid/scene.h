@@ -17,7 +17,6 @@
 #include "pellucid/base.h"
 #include "pellucid/mesh.h"
 #include "pellucid/raster.h"
-#include "pellucid/sampling.h"
 #include "pellucid/sequencing.h"
 #include "pellucid/shading.h"
 #include "pellucid/view.h"

@@ -12,7 +12,7 @@
 #include <span>
 
 #include "pellucid/baseline.h"
-#include "pellucid/model_camera.h"
+#include "pellucid/asset.h"
 #include "pellucid/sequencing.h"
 
 namespace pellucid {

@@ -35,9 +35,9 @@ struct RenderCommand {
   CapturePicture capture;
 };
 
-DrawOrder draw_order(OrderPicture picture) {
-  if (picture == OrderPicture::original) return DrawOrder::original;
-  return picture == OrderPicture::centroid ? DrawOrder::centroid : DrawOrder::buffers;
+SceneOrder draw_order(OrderPicture picture) {
+  if (picture == OrderPicture::original) return SceneOrder::original;
+  return picture == OrderPicture::centroid ? SceneOrder::centroid : SceneOrder::buffers;
 }
 
 void require_orders(const Scene& scene, const std::string& path) {

@@ -117,14 +117,14 @@ struct Scene {
 Scene make_scene(const Model& model);
 
 // How triangles within an object are ordered.
-enum class DrawOrder {
+enum class SceneOrder {
   buffers,   // by the in-depth buffer for the object's own local view; as stored where it has none
   original,  // as stored
   centroid,  // all triangles of the scene sorted by their centroids
 };
 // Returns the rank of every node of Scene::mesh (kNoRank: not drawn). Objects come front to back by their
 // centres. `viewpoint` is that of the camera, for `centroid`.
-std::vector<std::uint32_t> scene_ranks(const Scene& scene, DrawOrder order, const Camera& camera,
+std::vector<std::uint32_t> scene_ranks(const Scene& scene, SceneOrder order, const Camera& camera,
                                        const Viewpoint& viewpoint);
 
 // Returns the fragments that are drawn: without back faces of culled primitives.

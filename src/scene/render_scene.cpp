@@ -155,7 +155,7 @@ std::vector<std::uint32_t> drawing_order(const Scene& scene, const Camera& camer
   }
   for (const std::uint32_t t : order) drawn[t] = 1;
   std::vector<std::uint32_t> others;
-  append_in_order(scene_ranks(scene, in_depth ? DrawOrder::buffers : DrawOrder::original, camera, {}), 0,
+  append_in_order(scene_ranks(scene, in_depth ? SceneOrder::buffers : SceneOrder::original, camera, {}), 0,
                   scene, camera, others);
   std::copy_if(others.begin(), others.end(), std::back_inserter(order),
                [&](std::uint32_t t) { return drawn[t] == 0; });

@@ -95,9 +95,9 @@ Viewpoint local_viewpoint(const SceneObject& object, const BoundingSphere& spher
 }
 
 std::vector<std::uint32_t> object_ranks(const CleanPrimitive& primitive, const SceneObject& object,
-                                        DrawOrder order, const Camera& camera) {
+                                        SceneOrder order, const Camera& camera) {
   const Mesh& mesh = primitive.mesh;
-  if (order != DrawOrder::buffers || !primitive.orders) return ranks_as_stored(mesh.triangles.size());
+  if (order != SceneOrder::buffers || !primitive.orders) return ranks_as_stored(mesh.triangles.size());
   return ranks_from(mesh, *primitive.orders, local_viewpoint(object, primitive.orders->sphere, camera));
 }
 
@@ -148,10 +148,10 @@ Scene make_scene(const Model& model) {
   return scene;
 }
 
-std::vector<std::uint32_t> scene_ranks(const Scene& scene, DrawOrder order, const Camera& camera,
+std::vector<std::uint32_t> scene_ranks(const Scene& scene, SceneOrder order, const Camera& camera,
                                        const Viewpoint& viewpoint) {
   const std::uint64_t triangles = scene.mesh.triangles.size();
-  if (order == DrawOrder::centroid) {
+  if (order == SceneOrder::centroid) {
     return ranks_of(centroid_sorted(scene.mesh, scene.sphere, viewpoint), triangles);
   }
   std::vector<std::uint32_t> ranks(2 * triangles, kNoRank);

@@ -95,7 +95,7 @@ TEST(Scene, NearerObjectsComeFirst) {
   for (const double distance : {4.0, kInfiniteDistance}) {
     const Viewpoint view{{0, 0, 1}, distance};
     const Camera camera = look_at_sphere(scene.sphere, view, 32, 32);
-    const std::vector<std::uint32_t> ranks = scene_ranks(scene, DrawOrder::original, camera, view);
+    const std::vector<std::uint32_t> ranks = scene_ranks(scene, SceneOrder::original, camera, view);
     for (std::uint32_t near_node = 8; near_node < 16; ++near_node) {
       for (std::uint32_t far_node = 0; far_node < 8; ++far_node) EXPECT_LT(ranks[near_node], ranks[far_node]);
     }
@@ -125,7 +125,7 @@ TEST(Scene, EveryInstanceChoosesItsOrderInItsOwnSpace) {
   const Camera camera = look_at_sphere(scene.sphere, view, 32, 32);
   const std::uint32_t expected =
       select_order(orders, {-view.direction.x, view.direction.y, -view.direction.z});
-  EXPECT_EQ(scene_ranks(scene, DrawOrder::buffers, camera, view), ranks_of(orders.orders[expected], 4));
+  EXPECT_EQ(scene_ranks(scene, SceneOrder::buffers, camera, view), ranks_of(orders.orders[expected], 4));
 }
 
 TEST(Scene, SingleSidedPrimitivesHaveNoBackFaces) {

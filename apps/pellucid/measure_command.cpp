@@ -177,7 +177,7 @@ struct ImageMaker {
 };
 
 std::vector<ImageRow> image_rows(const ImageMaker& maker, const MethodQuality& quality,
-                                   const MeasureSettings& settings) {
+                                 const MeasureSettings& settings) {
   std::vector<ImageRow> rows;
   for (const char* camera : {"30,15,2.5", "150,-10,2.5", "265,35,2.5"}) {
     const Viewpoint view = parse_camera(camera);

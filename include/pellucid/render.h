@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "pellucid/base.h"
-#include "pellucid/budget.h"
+#include "pellucid/memory_budget.h"
 #include "pellucid/mesh.h"
 #include "pellucid/raster.h"
 #include "pellucid/sampling.h"

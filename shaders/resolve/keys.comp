@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/counters.glsl"
-#include "../interface/keys.glsl"
-#include "effects.glsl"
-#include "tally.glsl"
+#include "frame.glsl"
+#include "counters.glsl"
+#include "capture/keys.glsl"
+#include "resolve/effects.glsl"
+#include "resolve/tally.glsl"
 // Fold kK slots of a pixel, which are in depth order already: keys (A) and colours (C); or three words each, WORDS of a
 // buffer (A) or LAYERS of an image, four words to each.
 layout(local_size_x = 8, local_size_y = 8) in;

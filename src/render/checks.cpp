@@ -1,12 +1,13 @@
-// Checks: see checks.h.
+// The list of techniques, and what is refused before anything is drawn: see checks.h.
 #include "render/checks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "render/effects.h"
-#include "render/importance_terms.h"
+#include "render/capture/registry.h"
+#include "render/device/ordered_attachments.h"
+#include "render/options.h"
 
 namespace pellucid {
 
@@ -35,6 +36,40 @@ std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device
 }
 
 namespace render {
+namespace {
+
+std::string name_of(Sync sync) {
+  const auto ways = sync_ways();
+  return std::find_if(ways.begin(), ways.end(), [&](const NamedSync& way) { return way.sync == sync; })->name;
+}
+
+std::string names_of(const std::vector<Sync>& syncs) {
+  std::string names;
+  for (const Sync sync : syncs) names.append(names.empty() ? "" : ", ").append(name_of(sync));
+  return names;
+}
+
+// Why a way is not open; empty: it is.
+std::string obstacle(Sync sync, const TechniqueInfo& technique, const RenderOptions& options,
+                     const DeviceInfo& device) {
+  const std::string missing = missing_for(sync, device);
+  if (!missing.empty()) return fmt::format("{}, which {} has not", missing, device.name);
+  // A budget says how many attachments there are, and these how many fragments.
+  if (sync != Sync::ordered || technique.keeps_tail) return "";
+  if (ordered_attachments_for(options.k) <= device.ordered_attachments) return "";
+  return fmt::format("{} attachments for --k {}, and {} has {}", ordered_attachments_for(options.k),
+                     options.k, device.name, device.ordered_attachments);
+}
+
+}  // namespace
+
+// The list of registry.h.
+const std::vector<TechniqueEntry>& technique_entries() {
+#define PELLUCID_ENTRY(technique) technique(),
+  static const std::vector<TechniqueEntry> kEntries{PELLUCID_TECHNIQUES(PELLUCID_ENTRY)};
+#undef PELLUCID_ENTRY
+  return kEntries;
+}
 
 const TechniqueEntry& find_technique(const RenderOptions& options, const DeviceInfo& device) {
   std::string names;
@@ -86,6 +121,26 @@ void check_technique(const TechniqueInfo& technique, const RenderOptions& option
         ErrorKind::bad_argument,
         fmt::format("--technique {} blends while it draws: it has no fragments to keep", technique.name));
   }
+}
+
+Sync choose_sync(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
+  const std::vector<Sync>& syncs = technique.syncs;
+  if (syncs.empty()) return Sync::automatic;
+  Sync wanted = options.sync;
+  if (wanted == Sync::automatic) {
+    const auto open = std::find_if(syncs.begin(), syncs.end(), [&](Sync sync) {
+      return obstacle(sync, technique, options, device).empty();
+    });
+    wanted = open != syncs.end() ? *open : syncs.back();
+  }
+  if (std::find(syncs.begin(), syncs.end(), wanted) == syncs.end()) {
+    throw Error(ErrorKind::bad_argument, fmt::format("--sync {}: --technique {} has only {}", name_of(wanted),
+                                                     technique.name, names_of(syncs)));
+  }
+  const std::string reason = obstacle(wanted, technique, options, device);
+  if (!reason.empty())
+    throw Error(ErrorKind::bad_argument, fmt::format("--sync {} needs {}", name_of(wanted), reason));
+  return wanted;
 }
 
 }  // namespace render

@@ -11,4 +11,8 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
                    std::uint32_t objects);
 void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device);
 
+// What RenderOptions::sync means here; automatic: the technique has no choice. Throws Error{bad_argument}
+// where the device has not what is asked for, or not enough of it.
+Sync choose_sync(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device);
+
 }  // namespace pellucid::render

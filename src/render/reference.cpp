@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "pellucid/shading.h"
-#include "render/effects.h"
-#include "render/surface_sampler.h"
+#include "render/options.h"
+#include "render/scene/surface_sampler.h"
 
 namespace pellucid {
 namespace {

@@ -11,18 +11,15 @@
 #include <set>
 #include <utility>
 
-#include "render/automatic.h"
-#include "render/capture/nearest_rounds.h"
-#include "render/capture/synchronisation.h"
+#include "render/capture/automatic.h"
+#include "render/capture/registry.h"
 #include "render/capture/technique.h"
 #include "render/checks.h"
-#include "render/culling.h"
-#include "render/effects.h"
 #include "render/frame.h"
-#include "render/frame_data.h"
-#include "render/importance_terms.h"
-#include "render/opaque_layer.h"
-#include "render/read_back.h"
+#include "render/options.h"
+#include "render/resolve/read_back.h"
+#include "render/scene/culling.h"
+#include "render/scene/opaque_layer.h"
 
 namespace pellucid {
 namespace render {
@@ -569,7 +566,7 @@ OverdrawCount Renderer::count_overdraw(const Camera& camera) {
     render::Attachments attachments = frame.attachments();
     attachments.depth = &depth;
     recorder.draw(frame.scene,
-                  frame.pipelines.scene({.fragment_shader = "capture/shaded.frag",
+                  frame.pipelines.scene({.fragment_shader = "scene/shaded.frag",
                                          .depth = VK_FORMAT_D32_SFLOAT,
                                          .depth_test = render::DepthTest::less,
                                          .depth_write = true}),

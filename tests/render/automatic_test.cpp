@@ -1,6 +1,6 @@
 // `auto`: what it takes for which frame, that its pictures are those of what it took, and that it keeps to a
 // budget.
-#include "render/automatic.h"
+#include "render/capture/automatic.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -52,7 +52,7 @@ struct TechniqueEntry {
   std::unique_ptr<Technique> (*make)();
 };
 
-// All of them, each defined in a file of its own (registry.cpp).
+// All of them, each defined in a file of its own (registry.h).
 const std::vector<TechniqueEntry>& technique_entries();
 
 }  // namespace pellucid::render

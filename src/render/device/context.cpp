@@ -97,7 +97,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-constexpr std::uint32_t kMostOrderedAttachments = 8;  // shaders/capture/ordered_slots.frag
+constexpr std::uint32_t kMostOrderedAttachments = 8;  // shaders/capture/k_buffers/ordered_slots.frag
 
 // Of extensions that a device need not have.
 struct OptionalFeatures {

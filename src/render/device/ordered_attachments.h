@@ -3,6 +3,7 @@
 // render pass of the older kind and input attachments.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "render/device/memory.h"
@@ -10,6 +11,11 @@
 namespace pellucid::render {
 
 constexpr VkFormat kOrderedFormat = VK_FORMAT_R32G32B32A32_UINT;
+
+// 128-bit attachments that hold k fragments of three words.
+constexpr std::uint32_t ordered_attachments_for(std::uint32_t k) {
+  return (3 * k + 3) / 4;
+}
 
 // What all passes with so many of them share; set 0 is that of all other passes.
 class OrderedLayout {

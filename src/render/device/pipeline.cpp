@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "render/device/ordered_attachments.h"
-#include "render/gpu_scene.h"
+#include "render/scene/gpu_scene.h"
 
 namespace pellucid::render {
 namespace {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <iterator>
 
-#include "render/gpu_scene.h"
+#include "render/scene/gpu_scene.h"
 
 namespace pellucid::render {
 namespace {
 
-// Vulkan's standard places of four samples in a pixel, as in shaders/interface/samples.glsl. Samples are
+// Vulkan's standard places of four samples in a pixel, as in shaders/scene/samples.glsl. Samples are
 // drawn as pictures of their own: what is kept in attachments of integers, or by stencils, has them as well,
 // which multisampled images on lavapipe have not.
 constexpr std::array<std::array<float, 2>, 4> kSamplePlaces{

@@ -19,7 +19,7 @@ namespace pellucid::render {
 struct DrawRange;
 struct GpuScene;
 
-// Slots of the descriptor set: shaders/interface/frame.glsl.
+// Slots of the descriptor set: shaders/frame.glsl.
 enum class Slot : std::uint32_t {
   frame,
   triangles,

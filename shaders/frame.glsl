@@ -12,7 +12,7 @@
 #define SLOT_TRIANGLES 1
 #define SLOT_SURFACES 2
 #define SLOT_COUNTERS 3
-#define SLOT_PICTURE 4
+#define SLOT_FINAL_COLORS 4
 #define SLOT_STATE_FRONT 5
 #define SLOT_STATE_GROUP 6
 #define SLOT_DUMP 7
@@ -57,7 +57,7 @@ layout(std430, set = 0, binding = SLOT_FRAME) readonly buffer Frame {
   vec4 fill_light;  // direction to it
   vec4 background;  // linear
   vec4 planes;      // near, far, 1 / near, 1 / far
-  uvec2 size;       // samples of the picture, or of the band of it that is drawn
+  uvec2 size;       // samples of the image, or of the band of it that is drawn
   uint objects;
   uint capacity;    // nodes of the fragment pool
   vec4 line;        // wireframe: colour, half width in pixels

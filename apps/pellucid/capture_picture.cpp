@@ -138,7 +138,7 @@ bool any_deforms(const Model& model) {
 void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera& camera, Renderer& renderer,
                       const Session& session, CaptureStats& stats) {
   options.statistics = false;
-  options.maps = false;
+  options.budget.maps = false;
   std::vector<CaptureStats> all;
   for (std::uint32_t frame = 1; frame < frames; ++frame) {
     all.push_back(renderer.draw(camera, options, session.progress()).stats);
@@ -201,8 +201,8 @@ class Stage {
         rest_(make_scene(model)),
         deforms_(any_deforms(model)),
         options_(picture.options) {
-    options_.maps = !picture.maps.empty();
-    options_.importance.image = read_importance(picture.importance_image);
+    options_.budget.maps = !picture.maps.empty();
+    options_.budget.importance.image = read_importance(picture.importance_image);
   }
 
   // Throws as pose_scene() and make_render_scene() do.
@@ -225,8 +225,8 @@ class Stage {
   RenderResult draw(const Camera& camera, Renderer* renderer, const Session& session) {
     if (!picture_.ignore_orders) {
       std::vector<std::uint32_t> sequence = drawing_sequence(scene_, camera, moment_);
-      loaded_ = loaded_ && sequence == drawn_.sequence;
-      drawn_.sequence = std::move(sequence);
+      loaded_ = loaded_ && sequence == drawn_.draw_order;
+      drawn_.draw_order = std::move(sequence);
     }
     if (renderer == nullptr) return draw_reference(drawn_, camera, options_);
     if (!loaded_) renderer->load(drawn_);

@@ -30,7 +30,7 @@ class Contender {
     const auto all = render_techniques();
     const bool can_cull = std::any_of(all.begin(), all.end(),
                                       [&](const TechniqueInfo& t) { return t.name == name && t.can_cull; });
-    options_.cull = options.cull && can_cull;
+    options_.peeling.cull = options.peeling.cull && can_cull;
   }
 
   [[nodiscard]] const std::string& failure() const { return failure_; }
@@ -40,9 +40,9 @@ class Contender {
   RenderResult draw_first() {
     RenderResult result;
     try {
-      options_.maps = true;
+      options_.budget.maps = true;
       result = draw();
-      options_.maps = false;
+      options_.budget.maps = false;
       stats_ = result.stats;
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
@@ -101,8 +101,8 @@ void take_turns(std::vector<Contender>& all, std::uint32_t frames) {
 RenderOptions exact_options(const ComparisonOptions& options) {
   RenderOptions exact = options.draw;
   exact.technique = kExact;
-  exact.pool = 0;
-  exact.cull = false;
+  exact.pool.nodes = 0;
+  exact.peeling.cull = false;
   return exact;
 }
 
@@ -272,7 +272,7 @@ std::uint64_t count_fragments(Renderer& renderer, const DrawnScene& drawn, const
                               Session& session) {
   RenderOptions exact = options.draw;
   exact.technique = kExact;
-  exact.pool = 0;
+  exact.pool.nodes = 0;
   return renderer.draw(drawn.camera, exact, session.progress()).stats.fragments;
 }
 
@@ -301,7 +301,7 @@ DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
   for (const Shot& shot : shots)
     drawn.turn.push_back(
         look_at_sphere(scene.sphere, parse_camera(shot.camera), picture.width, picture.height));
-  if (!picture.ignore_orders) drawn.scene.sequence = drawing_sequence(scene, drawn.camera, {});
+  if (!picture.ignore_orders) drawn.scene.draw_order = drawing_sequence(scene, drawn.camera, {});
   return drawn;
 }
 

@@ -39,5 +39,5 @@ void main() {
   if (gl_LocalInvocationIndex != 0u) return;
   atomicMax(counters.deepest, deepest_pixel);
   atomicAdd(counters.covered, covered_pixels);
-  put_tile(class_of(deepest_list), tile.y * tiles_of_picture().x + tile.x, tile_count());
+  put_tile(class_of(deepest_list), tile.y * tiles_of_image().x + tile.x, tile_count());
 }

@@ -104,7 +104,7 @@ const uint kComplexityEffect = 5u;
 const uint kThicknessEffect = 6u;
 const uint kDumpEffect = 7u;
 
-// Does the sequence of fragments at one depth matter?
+// Does the order of fragments at one depth matter?
 bool effect_blends() { return kEffect <= kWireframeEffect; }
 
 State effect_init() {

@@ -47,7 +47,7 @@
 // same network and merged; LONG lists give their nearest 32 at a time, each time those behind the last. PLAIN is what
 // everyone does, to measure against: insertion sort of a local array of ROOM, whatever the length.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 // Bits of kVariant. 1: nothing is counted, so that a pixel is left where nothing behind can be seen. 2: pixels
 // without fragments stay as they are.
 const bool kCounts = (kVariant & 1u) == 0u;
@@ -230,7 +230,7 @@ void main() {
     const uint index = pixel_index(pixel);
     state = effect_init();
     for (uint bucket = 0u; bucket < bucket_count() && !stops(); ++bucket) fold_bucket(index, bucket);
-    if (!kRepairs || folded > 0u) picture[index] = effect_finish(state, index);
+    if (!kRepairs || folded > 0u) final_colors[index] = effect_finish(state, index);
     tally(folded, coplanar, true, false);
   }
   end_tally();

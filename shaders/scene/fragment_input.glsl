@@ -42,7 +42,7 @@ uint fragment_id() {
 vec2 screen_of(uint vertex) {
   const vec4 clip = frame.clip_from_world * vec4(positions[3u * vertex], positions[3u * vertex + 1u],
                                                  positions[3u * vertex + 2u], 1.0);
-  return (clip.xy / clip.w * 0.5 + 0.5) * picture_size();
+  return (clip.xy / clip.w * 0.5 + 0.5) * image_size();
 }
 
 float distance_to_line(vec2 p, vec2 a, vec2 b) {
@@ -57,7 +57,7 @@ float edge_share() {
   const vec2 a = screen_of(indices[corner]);
   const vec2 b = screen_of(indices[corner + 1u]);
   const vec2 c = screen_of(indices[corner + 2u]);
-  const vec2 p = place_in_picture(uvec2(gl_FragCoord.xy));
+  const vec2 p = place_in_image(uvec2(gl_FragCoord.xy));
   const float d = min(distance_to_line(p, a, b), min(distance_to_line(p, b, c), distance_to_line(p, c, a)));
   return 1.0 - smoothstep(0.3, 1.1, d);
 }

@@ -1,4 +1,4 @@
-// A picture while it is drawn: see frame.h.
+// A image while it is drawn: see frame.h.
 #include "render/frame.h"
 
 #include <fmt/format.h>
@@ -99,7 +99,7 @@ Attachments Frame::attachments() const {
           .height = height,
           .samples = options.samples,
           .first_row = static_cast<std::int32_t>(first_row),
-          .picture_height = picture_height};
+          .image_height = image_height};
 }
 
 void Frame::gather(Recorder& recorder, std::string_view fragment_shader, const Constants& constants) const {

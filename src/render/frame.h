@@ -1,4 +1,4 @@
-// frame.h - one picture, or a band of it, while it is drawn: what techniques find there and may ask for.
+// frame.h - one image, or a band of it, while it is drawn: what techniques find there and may ask for.
 #pragma once
 
 #include <algorithm>
@@ -61,11 +61,11 @@ struct Frame {
   Sync sync = Sync::automatic;  // of techniques that have a choice
   // Of the band; with several samples of a pixel, of as many copies of it below each other.
   std::uint32_t width = 0, height = 0;
-  std::uint32_t first_row = 0, picture_height = 0;  // where it lies
-  std::uint64_t fragments = 0, deepest = 0;         // in it, counted beforehand
-  std::span<const std::uint32_t> counts{};          // of every pixel
-  std::uint64_t covered = 0;                        // of them, those with fragments
-  std::uint64_t seen = 0;                           // pixels with fragments in any sample
+  std::uint32_t first_row = 0, image_height = 0;  // where it lies
+  std::uint64_t fragments = 0, deepest = 0;       // in it, counted beforehand
+  std::span<const std::uint32_t> counts{};        // of every pixel
+  std::uint64_t covered = 0;                      // of them, those with fragments
+  std::uint64_t seen = 0;                         // pixels with fragments in any sample
   Buffer counters;
   Buffer* residue = nullptr;  // what techniques keep for the next frame of this band
                               // (shaders/capture/k_buffers/fold_places.comp)
@@ -78,7 +78,8 @@ struct Frame {
   }
   // Nodes of a pool.
   [[nodiscard]] std::uint64_t capacity() const {
-    return options.pool != 0 ? std::min(options.pool, std::max<std::uint64_t>(fragments, 1)) : fragments;
+    return options.pool.nodes != 0 ? std::min(options.pool.nodes, std::max<std::uint64_t>(fragments, 1))
+                                   : fragments;
   }
   [[nodiscard]] std::uint32_t tiles_x() const { return (width + 7) / 8; }
   [[nodiscard]] std::uint32_t tiles_y() const { return (height + 7) / 8; }

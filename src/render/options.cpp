@@ -46,7 +46,7 @@ std::span<const NamedImportanceTerm> importance_terms() {
        {ImportanceTerm::complexity, "complexity", "by its number of fragments"},
        {ImportanceTerm::periphery, "periphery", "by the distance from a point of interest"},
        {ImportanceTerm::fresnel, "fresnel", "less where the nearest surface is seen at a grazing angle"},
-       {ImportanceTerm::image, "image", "as a picture says"},
+       {ImportanceTerm::image, "image", "by an image"},
        {ImportanceTerm::residue, "residue", "by what the last frame left to the tail"}}};
   return kTerms;
 }
@@ -59,7 +59,7 @@ void check_effect(Effect effect, std::size_t objects) {
   if (effect == Effect::self_collision) most = 8;
   if (objects <= most) return;
   throw Error(ErrorKind::bad_argument,
-              fmt::format("--effect {}: at most {} objects can be told apart, the scene has {}",
+              fmt::format("effect {}: at most {} objects can be told apart, and the scene has {}",
                           render_effects()[static_cast<std::size_t>(effect)].name, most, objects));
 }
 
@@ -71,16 +71,19 @@ void check_importance(const ImportanceOptions& options) {
   const auto require = [](bool right, const char* what) {
     if (!right) throw Error(ErrorKind::bad_argument, what);
   };
-  require(options.alpha >= 0 && options.alpha <= 1, "--complexity: ALPHA is not in 0..1");
-  require(options.limit > 0 && std::isfinite(options.limit), "--complexity: LIMIT is not a positive number");
-  require(std::isfinite(options.focus_x) && std::isfinite(options.focus_y), "--focus: not two numbers");
-  require(options.falloff > 0 && std::isfinite(options.falloff), "--falloff: not a positive number");
-  require(options.noise >= 0 && options.noise <= 1, "--importance-noise: not in 0..1");
+  require(options.alpha >= 0 && options.alpha <= 1, "importance by complexity: alpha is not in 0..1");
+  require(options.limit > 0 && std::isfinite(options.limit),
+          "importance by complexity: the limit is not a positive number");
+  require(std::isfinite(options.focus_x) && std::isfinite(options.focus_y),
+          "importance by periphery: the focus is not two numbers");
+  require(options.falloff > 0 && std::isfinite(options.falloff),
+          "importance by periphery: the falloff is not a positive number");
+  require(options.noise >= 0 && options.noise <= 1, "noise of importance: not in 0..1");
   if (std::find(options.terms.begin(), options.terms.end(), ImportanceTerm::image) == options.terms.end())
     return;
   const ImportanceImage& image = options.image;
   require(!image.bytes.empty() && image.bytes.size() == std::uint64_t{image.width} * image.height,
-          "--importance image: there is no picture, or it has not a byte a pixel");
+          "terms of importance: there is no importance image, or it does not have one byte a pixel");
 }
 
 }  // namespace render

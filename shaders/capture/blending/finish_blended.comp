@@ -4,7 +4,7 @@
 #include "scene/opaque.glsl"
 // What was blended front to back, over the background. MARKS: also which tiles have marked pixels, by their stencils.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform texture2D blended;
 #if defined(MARKS)
 layout(set = 0, binding = SLOT_IMAGE_1) uniform utexture2D stencils;
@@ -20,6 +20,6 @@ void main() {
   const ivec2 place = ivec2(gl_GlobalInvocationID.xy);
   const uint pixel = pixel_index(gl_GlobalInvocationID.xy);
   const vec4 c = texelFetch(blended, place, 0);
-  picture[pixel] = vec4(c.rgb + (1.0 - c.a) * background_of(pixel), c.a);
+  final_colors[pixel] = vec4(c.rgb + (1.0 - c.a) * background_of(pixel), c.a);
   mark(place);
 }

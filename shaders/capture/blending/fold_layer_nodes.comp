@@ -5,7 +5,7 @@
 #include "capture/blending/layer_nodes.glsl"
 // kK nodes of every pixel, in order already, over the background. Layers of the image have four words each, a node three.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray layers;
 uint word_of(uvec2 pixel, uint i) { return texelFetch(layers, ivec3(pixel, i / 4u), 0)[i % 4u]; }
 void main() {
@@ -18,5 +18,5 @@ void main() {
     seen = layer_over(seen, node_layer(node));
   }
   const uint pixel = pixel_index(at);
-  picture[pixel] = vec4(seen.rgb + seen.a * background_of(pixel), 1.0 - seen.a);
+  final_colors[pixel] = vec4(seen.rgb + seen.a * background_of(pixel), 1.0 - seen.a);
 }

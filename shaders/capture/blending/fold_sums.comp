@@ -4,7 +4,7 @@
 #include "scene/opaque.glsl"
 // Weighted sums of colours become their mean, seen as one layer that lets as much through as all fragments do.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform texture2D sums;
 layout(set = 0, binding = SLOT_IMAGE_1) uniform texture2D depth_sums;
 void main() {
@@ -15,5 +15,5 @@ void main() {
   const vec4 sum = min(texelFetch(sums, place, 0), kMostHalf);
   const float transmittance = exp2(-texelFetch(depth_sums, place, 0).r);
   const vec3 mean = sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
-  picture[pixel] = vec4(mix(mean, background_of(pixel), transmittance), 1.0 - transmittance);
+  final_colors[pixel] = vec4(mix(mean, background_of(pixel), transmittance), 1.0 - transmittance);
 }

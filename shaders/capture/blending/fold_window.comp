@@ -7,7 +7,7 @@
 // The ordered k-buffer's last step: what is left in the window, the nearest first, under what was blended, and all of it
 // over the background. Counts pixels where something came too late.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray layers;
 
 uint word_at(ivec2 pixel, uint i) { return texelFetch(layers, ivec3(pixel, i / 4u), 0)[i % 4u]; }
@@ -31,6 +31,6 @@ void main() {
     if (!is_free(slot)) blended = blended_under(blended, slot.z);
   }
   const uint pixel = pixel_index(gl_GlobalInvocationID.xy);
-  picture[pixel] = vec4(blended.rgb + blended.a * background_of(pixel), 1.0 - blended.a);
+  final_colors[pixel] = vec4(blended.rgb + blended.a * background_of(pixel), 1.0 - blended.a);
   if (word_at(at, kLateWord) != kNone) atomicAdd(counters.misordered_pixels, 1u);
 }

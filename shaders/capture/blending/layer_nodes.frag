@@ -3,7 +3,7 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 // Multi-layer alpha blending: SLOTS nodes in order of depth; where one too many comes, the two farthest become one.
-// Salvi, Vaidyanathan, I3D 2014. What was merged stays so, whatever comes between: it depends on the sequence of drawing.
+// Salvi, Vaidyanathan, I3D 2014. What was merged stays so, whatever comes between: it depends on draw order.
 #include "capture/blending/layer_nodes.glsl"
 #define ATTACHMENTS 3  // four nodes of three words
 #include "capture/ordered_words.glsl"

@@ -1,4 +1,4 @@
-// Optical depth -log2(1 - alpha): that of several fragments is the sum of theirs, in whatever sequence they come.
+// Optical depth -log2(1 - alpha): that of several fragments is the sum of theirs, in whatever order they come.
 #ifndef OPTICAL_DEPTH_GLSL
 #define OPTICAL_DEPTH_GLSL
 // `most`: for opaque ones, which have none that is finite.

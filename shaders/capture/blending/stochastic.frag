@@ -5,7 +5,7 @@
 #if defined(DEPTHS)
 // First pass of stochastic transparency: a fragment hides as large a share of its pixel's kK samples (A) as its opacity
 // says, chosen at random; the nearest fragment of each sample stays. Enderton, Sintorn, Shirley, Luebke, I3D 2010. The
-// numbers are those of the sample of the whole picture and the fragment's id: the same in every frame.
+// numbers are those of the sample of the whole image and the fragment's id: the same in every frame.
 layout(std430, set = 0, binding = SLOT_A) buffer SampleDepths { uint sample_depths[]; };
 
 uint mixed(uint x) {
@@ -23,7 +23,7 @@ float next_random() {
 
 void main() {
   const uint pixel = fragment_pixel();
-  random_state = mixed(fragment_id()) ^ sample_in_picture(uvec2(gl_FragCoord.xy));
+  random_state = mixed(fragment_id()) ^ sample_in_image(uvec2(gl_FragCoord.xy));
   const uint depth = floatBitsToUint(gl_FragCoord.z);
   const float samples = float(kK) * unpack_color(fragment_color()).a;
   // So many of those that are left, each as likely as the others.

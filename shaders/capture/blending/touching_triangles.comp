@@ -3,7 +3,7 @@
 #include "frame.glsl"
 #include "scene/samples.glsl"
 #include "resolve/marked_tiles.glsl"
-// Which triangles of a range touch tiles of 8 x 8 pixels that are marked: an index buffer of them, in any sequence.
+// Which triangles of a range touch tiles of 8 x 8 pixels that are marked: an index buffer of them, in any order.
 // push.first_triangle, p0 triangles; p1: the range, whose draw has five words of arguments.
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
@@ -21,13 +21,13 @@ vec4 clip_of(uint vertex) {
 }
 
 vec2 pixel_of(vec4 clip) {
-  const vec2 whole = (clip.xy / clip.w * 0.5 + 0.5) * picture_size();
+  const vec2 whole = (clip.xy / clip.w * 0.5 + 0.5) * image_size();
   return whole - vec2(0.0, float(frame.first_row));
 }
 
 // Of the band's copy that begins at `row`: are any tiles marked between `low` and `high`?
 bool any_marked(vec2 low, vec2 high, float row) {
-  const ivec2 tiles = ivec2(tiles_of_picture());
+  const ivec2 tiles = ivec2(tiles_of_image());
   const ivec2 first = ivec2(low + vec2(0.0, row)) / 8;
   const ivec2 last = min(ivec2(high + vec2(0.0, row)) / 8, tiles - 1);
   if ((last.x - first.x + 1) * (last.y - first.y + 1) > kMostTiles) return true;

@@ -10,7 +10,7 @@
 // Fold the keys (A) and colours (C) of every pixel's share, which are in depth order already, empty it for the next
 // round, and say in the last key (B) where that begins: of pixels that are done, behind everything.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) buffer States { State states[]; };
 layout(std430, set = 0, binding = SLOT_A) buffer Keys { uint64_t keys[]; };
 layout(std430, set = 0, binding = SLOT_B) buffer Last { uint64_t last[]; };
@@ -18,7 +18,7 @@ layout(std430, set = 0, binding = SLOT_C) readonly buffer Colors { uint colors[]
 
 void finish(uint pixel, State state) {
   if (kVariant == kLosesFragments && effect_blends()) effect_merge(state, State(tail_layer(pixel), uvec4(0u)));
-  picture[pixel] = effect_finish(state, pixel);
+  final_colors[pixel] = effect_finish(state, pixel);
 }
 
 void fold_share(uint pixel, Share share) {

@@ -1,6 +1,6 @@
 // What found no place, as one translucent layer behind the rest: the weighted average of its colours, with the product of
 // its transmittances. Maule, Comba, Torchelsen, Bastos, "Hybrid Transparency", I3D 2013. Sums of whole numbers, so that
-// the sequence of fragments does not matter. E: five words a pixel; push.p3: units of 1.
+// the order of fragments does not matter. E: five words a pixel; push.p3: units of 1.
 layout(std430, set = 0, binding = SLOT_E) buffer Tail { uint tail[]; };
 const uint kTailWords = 5u;  // opacity times red, green, blue; opacity; -log2 of transmittance
 const float kMostAbsorption = 16.0;

@@ -5,7 +5,7 @@
 #include "resolve/effects.glsl"
 // Each covered pixel gets its share of the block's tail.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 
 // Of the pixels of a row from one to another.
 uint covered_between(uint first, uint last) {
@@ -39,5 +39,5 @@ void main() {
     const float pixels = float(max(covered_of_block(at / push.p0 * push.p0), 1u));
     transparency_merge(state, State(tail_layer(sums, tail_scale(kBlockBits, push.p1) * pixels), uvec4(0u)));
   }
-  picture[pixel] = effect_finish(state, pixel);
+  final_colors[pixel] = effect_finish(state, pixel);
 }

@@ -38,7 +38,7 @@ vec4 layer_of_tail(Place place) {
 }
 #endif
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 #ifdef MEASURE
 // What the tail of a pixel covers of what the fragments in front of it let through (E): a byte for the importance of
 // the next frame, which grows where more than kWanted is left to the tail and shrinks elsewhere (importance.comp).
@@ -85,7 +85,7 @@ void main() {
 #ifdef MEASURE
     else measure_residue(pixel, 0.0);
 #endif
-    picture[pixel] = effect_finish(state, pixel);
+    final_colors[pixel] = effect_finish(state, pixel);
     tally(captured, coplanar, true, false);
   }
   end_tally();

@@ -11,7 +11,7 @@
 layout(std430, set = 0, binding = SLOT_D) readonly buffer Given { uint given[]; };
 float given_byte(uint i) { return float(given[i / 4u] >> (8u * (i % 4u)) & 255u); }
 
-vec2 place_of(uint pixel) { return place_in_picture(uvec2(pixel % frame.size.x, pixel / frame.size.x)); }
+vec2 place_of(uint pixel) { return place_in_image(uvec2(pixel % frame.size.x, pixel / frame.size.x)); }
 
 // Fragments that it takes to halve the light, on average: with slots in this proportion as much light gets through
 // those of one pixel as through those of another.
@@ -26,7 +26,7 @@ float complexity_term(uint fragments) {
 
 // Equation 4; the point of interest may be anywhere, so it may get below 0.
 float periphery_term(uint pixel) {
-  const vec2 size = picture_size();
+  const vec2 size = image_size();
   const float d = 2.0 * length(place_of(pixel) - budget.point * size) / (1.1 * length(size));
   return max(1.0 - pow(d, budget.falloff), 0.0);
 }
@@ -38,10 +38,10 @@ float fresnel_term(uint nearest) {
   return 1.0 - 0.5 * away2 * away2 * away;
 }
 
-// The user's, scaled to the picture.
+// The user's, scaled to the image.
 float image_term(uint pixel) {
   const vec2 size = vec2(float(budget.image_width), float(budget.image_height));
-  const uvec2 at = uvec2(min(place_of(pixel) / picture_size() * size, size - 1.0));
+  const uvec2 at = uvec2(min(place_of(pixel) / image_size() * size, size - 1.0));
   return given_byte(at.y * budget.image_width + at.x) / 255.0;
 }
 

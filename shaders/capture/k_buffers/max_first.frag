@@ -7,7 +7,7 @@
 #include "scene/fragment_input.glsl"
 #include "counters.glsl"
 #include "capture/k_buffers/places.glsl"
-// The nearest fragments of a pixel, as many as it has slots for, in no sequence but that the first slot holds the
+// The nearest fragments of a pixel, as many as it has slots for, in no order but that the first slot holds the
 // farthest: the one that the next has to be nearer than, which most are not, and that it takes the place of. One fragment
 // of a pixel at a time: fragment shader INTERLOCK, or a spin lock. Vasilakis, Papaioannou, Fudos, "k+-buffer: An Efficient,
 // Memory-Friendly and Dynamic k-buffer Framework", TVCG 2015. kK: a pixel with as many slots or more has a heap.

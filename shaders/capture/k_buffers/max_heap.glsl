@@ -1,5 +1,5 @@
 // The fragments of a place as an array or as a heap whose first slot holds the farthest, for one invocation at a time.
-// Needs a buffer `words`. Keys are (depth bits, id), compared in this sequence; that of an empty slot is beyond all.
+// Needs a buffer `words`. Keys are (depth bits, id), compared in this order; that of an empty slot is beyond all.
 //
 // The mark of the first slot's depth is a lock (max_first.frag): set, as it is in an empty slot, nobody has it.
 #ifndef MAX_HEAP_GLSL

@@ -4,7 +4,7 @@
 #include "capture/k_buffers/place_map.glsl"
 #include "capture/k_buffers/survey.glsl"
 #include "capture/k_buffers/weighted_tail.glsl"
-// The place of every pixel (places.glsl), in the sequence of pixels.
+// The place of every pixel (places.glsl), in the order of pixels.
 layout(local_size_x = 64) in;
 const uint kPlaceBits = 27u;
 shared uvec2 sums[64];

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "capture/k_buffers/places.glsl"
-// Slots that were filled in no sequence (max_first.frag): sorted, nearest first, empty ones last.
+// Slots that were filled in no order (max_first.frag): sorted, nearest first, empty ones last.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_A) buffer Pool { uint words[]; };
 #include "capture/k_buffers/max_heap.glsl"

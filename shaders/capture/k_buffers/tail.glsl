@@ -1,6 +1,6 @@
 // The tail of a pixel: fragments that found no place, as one translucent layer behind those that did. Transmittance is
 // the product of theirs, colour their mean weighted by optical depth -log2(1 - alpha): what layers of a fine mixture of
-// them would show. Sums of integers, so that the sequence of drawing does not matter; rounded up or down by a hash of
+// them would show. Sums of integers, so that draw order does not matter; rounded up or down by a hash of
 // the fragment, so that errors cancel.
 // Hybrid transparency: Maule, Comba, Torchelsen, Bastos, I3D 2013.
 #ifndef TAIL_GLSL

@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "resolve/effects.glsl"
-// After the last round of peeling: what came from both ends becomes one, and a picture.
+// After the last round of peeling: what came from both ends becomes one, and a image.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) readonly buffer FrontStates { State front_states[]; };
 #if SIDES == 2
 layout(std430, set = 0, binding = SLOT_STATE_BACK) readonly buffer BackStates { State back_states[]; };
@@ -16,5 +16,5 @@ void main() {
 #if SIDES == 2
   effect_merge(s, back_states[pixel]);
 #endif
-  picture[pixel] = effect_finish(s, pixel);
+  final_colors[pixel] = effect_finish(s, pixel);
 }

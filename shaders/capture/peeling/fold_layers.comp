@@ -8,7 +8,7 @@
 #include "resolve/effects.glsl"
 #include "capture/peeling/layers.glsl"
 
-// What a round delivered at an end of a pixel, in sequence: see layers.glsl. next_delivered() gives
+// What a round delivered at an end of a pixel, in order: see layers.glsl. next_delivered() gives
 // the one behind (at the far end: in front of) the `count` it gave so far, the last of them `last`.
 #if defined(IMAGE)
 layout(set = 0, binding = SLOT_IMAGE_2) uniform utexture2D found;

@@ -32,14 +32,14 @@ bool fits(const AutomaticDemand& demand, std::uint64_t bytes) {
 // Why verified blending is worth it; empty: it is not.
 std::string reason_to_verify(const AutomaticDemand& demand) {
   if (!demand.blends || !fits(demand, demand.verified_bytes)) return "";
-  if (!demand.repairs) return "to see how many pixels the sequence of triangles draws in order";
+  if (!demand.repairs) return "to see how many pixels the draw order draws in order";
   return is_worth_it(demand) ? found_before(*demand.repairs) : "";
 }
 
 std::string reason_to_capture_all(const AutomaticDemand& demand) {
   if (!demand.blends) return "the effect needs the fragments themselves";
   if (demand.repairs && !is_worth_it(demand)) return found_before(*demand.repairs);
-  return "checking the sequence of triangles might take " + megabytes(demand.verified_bytes);
+  return "checking the draw order might take " + megabytes(demand.verified_bytes);
 }
 
 AutomaticChoice capture_all(const AutomaticDemand& demand) {
@@ -53,9 +53,9 @@ AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
   const bool may_lose = demand.overflow == Overflow::nearest && demand.blends;
   if (!demand.atomics64) {
     if (may_lose) return {"fixed-k", reason + ": the nearest, as many of every pixel, the rest averaged"};
-    throw Error(ErrorKind::bad_argument, "--technique auto: " + reason +
+    throw Error(ErrorKind::bad_argument, "technique auto: " + reason +
                                              ", and taking them round after round needs 64-bit atomics, "
-                                             "which the device has not");
+                                             "which the device does not support");
   }
   const bool chained = may_lose || demand.deepest <= kMostChained;
   if (demand.blends && chained && fits(demand, demand.slots_bytes))
@@ -86,11 +86,11 @@ AutomaticChoice choose_technique(const AutomaticDemand& demand) {
   return keep_to_budget(demand);
 }
 
-std::optional<Repairs> SequenceHistory::repairs() const {
+std::optional<Repairs> DrawOrderHistory::repairs() const {
   return frames_since_ < kFramesUntilTrial ? repairs_ : std::nullopt;
 }
 
-void SequenceHistory::add_frame(const std::string& technique, const Repairs& repairs) {
+void DrawOrderHistory::add_frame(const std::string& technique, const Repairs& repairs) {
   if (technique != "verified") {
     ++frames_since_;
     return;
@@ -110,37 +110,38 @@ Repairs repairs_between(const CaptureStats& before, const CaptureStats& after,
 }
 
 RenderOptions automatic_options(const RenderOptions& options) {
-  check_importance(options.importance);
+  check_importance(options.budget.importance);
   RenderOptions own = options;
-  own.pool = 0;
-  own.sync = Sync::automatic;
+  own.pool.nodes = 0;
+  own.k_buffer.sync = Sync::automatic;
   return own;
 }
 
 TechniqueEntry automatic() {
-  return {{.name = "auto",
-           .title = "for every frame the one that suits it: verified, ll, sb, or within --memory k-plus, "
-                    "variable-k, bounded",
-           .paper = "",
-           .captures = "all; within --memory, as many as fit",
-           .passes_formula = "of the chosen one",
-           .bytes_formula = "of the chosen one",
-           .budgeted = true},
-          nullptr};
+  return {
+      {.name = "auto",
+       .title = "for every frame the one that suits it: verified, ll, sb, or within a memory budget k-plus, "
+                "variable-k, bounded",
+       .paper = "",
+       .captures = "all; within a memory budget, as many as fit",
+       .passes_formula = "of the chosen one",
+       .bytes_formula = "of the chosen one",
+       .groups = {OptionGroup::overflow, OptionGroup::budget, OptionGroup::importance, OptionGroup::sorting}},
+      nullptr};
 }
 
-AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& history) {
+AutomaticDemand automatic_demand(const Frame& frame, const DrawOrderHistory& history) {
   constexpr std::uint64_t kNeverFits = std::numeric_limits<std::uint64_t>::max();
   // Where lists are too long for the driver's loops, they are captured again, in bytes that are not reckoned.
   const auto bytes_of = [&](const TechniqueEntry& technique) {
-    const bool again = frame.options.memory != 0 && ListResolve::ends_early(frame);
+    const bool again = frame.options.budget.bytes != 0 && ListResolve::ends_early(frame);
     return again ? kNeverFits : technique.make()->most_bytes(frame);
   };
   std::uint64_t triangles = 0;
   for (const DrawRange& range : frame.scene.ranges) triangles += range.triangles;
   return {.blends = blends(frame.options.effect) && !frame.options.keep_fragments,
-          .memory = frame.options.memory,
-          .overflow = frame.options.overflow,
+          .memory = frame.options.budget.bytes,
+          .overflow = frame.options.pool.overflow,
           .atomics64 = frame.context.info().atomics64,
           .deepest = frame.deepest,
           .fragments = frame.fragments,

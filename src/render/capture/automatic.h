@@ -14,10 +14,10 @@ namespace pellucid::render {
 
 // Chains of so many slots are slower than rounds.
 constexpr std::uint64_t kMostChained = 64;
-// After so many frames that captured everything, the sequence of triangles is tried again.
+// After so many frames that captured everything, the draw order is tried again.
 constexpr std::uint32_t kFramesUntilTrial = 16;
 
-// What became of a sequence of triangles that was verified: shares of the covered pixels, and of the
+// What became of a draw order that was verified: shares of the covered pixels, and of the
 // triangles that were drawn again for them.
 struct Repairs {
   double pixels = 0, triangles = 0;
@@ -46,8 +46,8 @@ AutomaticChoice choose_technique(const AutomaticDemand& demand);
 // What `after` has more than `before`. What was captured again had to be repaired, all of it.
 Repairs repairs_between(const CaptureStats& before, const CaptureStats& after, const AutomaticDemand& demand);
 
-// How well the sequence of triangles did in the last frames.
-class SequenceHistory {
+// How well the draw order did in the last frames.
+class DrawOrderHistory {
  public:
   [[nodiscard]] std::optional<Repairs> repairs() const;
   // `repairs`: of verified blending, else of no meaning.
@@ -66,6 +66,6 @@ RenderOptions automatic_options(const RenderOptions& options);
 TechniqueEntry automatic();
 
 // Of a frame that was counted.
-AutomaticDemand automatic_demand(const Frame& frame, const SequenceHistory& history);
+AutomaticDemand automatic_demand(const Frame& frame, const DrawOrderHistory& history);
 
 }  // namespace pellucid::render

@@ -1,5 +1,5 @@
 // ordered_attachments.h - colour attachments that fragment shaders read back: fragments of a pixel come one
-// after the other, in the sequence of drawing (VK_EXT_rasterization_order_attachment_access), which needs a
+// after the other, in draw order (VK_EXT_rasterization_order_attachment_access), which needs a
 // render pass of the older kind and input attachments.
 #pragma once
 

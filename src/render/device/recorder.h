@@ -2,7 +2,7 @@
 // wait.
 //
 // All images stay in the layout GENERAL, and `barrier` makes everything before it visible to everything after
-// it: passes over a whole picture are long, and what a finer barrier saves is not measurable beside them.
+// it: passes over a whole image are long, and what a finer barrier saves is not measurable beside them.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ enum class Slot : std::uint32_t {
   triangles,
   surfaces,
   counters,
-  picture,
+  final_colors,
   state_front,
   state_group,
   dump,
@@ -70,8 +70,8 @@ struct Attachments {
   bool number_stencils = false;         // with `clear`: they start at their layer + 2
   std::uint32_t width = 0, height = 0;  // of the pass
   std::uint32_t samples = 1;            // of a pixel: so many copies of the band below each other
-  std::int32_t first_row = 0;           // of the band in the picture
-  std::uint32_t picture_height = 0;
+  std::int32_t first_row = 0;           // of the band in the image
+  std::uint32_t image_height = 0;
   std::uint32_t layers = 1;  // more: one instance to each
 };
 

@@ -20,7 +20,7 @@ class ListResolve {
     record(frame, recorder, k, nullptr);
   }
   // Only of the tiles listed there (shaders/resolve/marked_tiles.glsl), bound to slot d; pixels without
-  // fragments keep what the picture has there.
+  // fragments keep what the image has there.
   void repair(Frame& frame, Recorder& recorder, const Buffer& marked_tiles) const {
     record(frame, recorder, 0, &marked_tiles);
   }

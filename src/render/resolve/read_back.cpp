@@ -16,9 +16,9 @@ std::array<float, 4> unpack_color(std::uint32_t packed) {
 
 }  // namespace
 
-void read_picture(const Buffer& picture, const Frame& frame, RenderResult& result) {
+void read_colors(const Buffer& final_colors, const Frame& frame, RenderResult& result) {
   std::vector<std::array<float, 4>> values(frame.pixels());
-  picture.download(frame.context, std::as_writable_bytes(std::span(values)));
+  final_colors.download(frame.context, std::as_writable_bytes(std::span(values)));
   const std::uint32_t samples = frame.options.samples;
   for (std::size_t p = 0; p < values.size() / samples; ++p) {
     Vec3f sum{0, 0, 0};

@@ -12,7 +12,7 @@ namespace pellucid::render {
 constexpr std::size_t kDumpWords = 3;  // of a fragment: shaders/resolve/effects.glsl
 
 // Colours of a band, samples averaged, behind those that `result` has.
-void read_picture(const Buffer& picture, const Frame& frame, RenderResult& result);
+void read_colors(const Buffer& final_colors, const Frame& frame, RenderResult& result);
 // Of kDumpEffect; `offsets` of every pixel and sample of the band. `colored`: with their colours.
 void read_fragments(const Buffer& dump, const Frame& frame, const std::vector<std::uint32_t>& offsets,
                     bool colored, RenderResult& result);

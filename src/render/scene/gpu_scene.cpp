@@ -48,13 +48,13 @@ void check_scene(const RenderScene& scene) {
     if (object >= scene.surfaces.size()) complain("a triangle has an object that is not there");
   }
   check_looks(scene);
-  if (scene.sequence.empty()) return;
+  if (scene.draw_order.empty()) return;
   std::vector<bool> seen(scene.triangles.size());
-  for (const std::uint32_t triangle : scene.sequence) {
-    if (triangle >= seen.size() || seen[triangle]) complain("the drawing sequence is not a permutation");
+  for (const std::uint32_t triangle : scene.draw_order) {
+    if (triangle >= seen.size() || seen[triangle]) complain("the draw order is not a permutation");
     seen[triangle] = true;
   }
-  if (scene.sequence.size() != scene.triangles.size()) complain("the drawing sequence is not a permutation");
+  if (scene.draw_order.size() != scene.triangles.size()) complain("the draw order is not a permutation");
 }
 
 Triangle smallest_corner_first(const Triangle& t, const std::vector<Vec3f>& positions) {
@@ -67,29 +67,29 @@ Triangle smallest_corner_first(const Triangle& t, const std::vector<Vec3f>& posi
   return t;
 }
 
-// What each surface means for a triangle's place in the sequence.
-struct Sequence {
+// What each surface means for a triangle's place in the draw order.
+struct SortedTriangles {
   std::vector<std::uint32_t> triangles;
   std::vector<DrawRange> ranges;
 };
 
-Sequence sequence_of(const RenderScene& scene) {
-  Sequence result;
-  std::vector<std::uint32_t>& sequence = result.triangles;
-  sequence = scene.sequence;
-  if (sequence.empty()) {
-    sequence.resize(scene.triangles.size());
-    std::iota(sequence.begin(), sequence.end(), 0U);
+SortedTriangles sorted_triangles(const RenderScene& scene) {
+  SortedTriangles result;
+  std::vector<std::uint32_t>& order = result.triangles;
+  order = scene.draw_order;
+  if (order.empty()) {
+    order.resize(scene.triangles.size());
+    std::iota(order.begin(), order.end(), 0U);
   }
   const auto surface = [&](std::uint32_t triangle) -> const Surface& {
     return scene.surfaces[scene.objects[triangle]];
   };
-  const auto opaque = std::stable_partition(sequence.begin(), sequence.end(),
-                                            [&](std::uint32_t t) { return !surface(t).opaque; });
-  std::stable_partition(sequence.begin(), opaque, [&](std::uint32_t t) { return surface(t).double_sided; });
-  std::sort(opaque, sequence.end(), std::greater<>());
-  for (std::uint32_t i = 0; i < sequence.size(); ++i) {
-    const Surface& s = surface(sequence[i]);
+  const auto opaque =
+      std::stable_partition(order.begin(), order.end(), [&](std::uint32_t t) { return !surface(t).opaque; });
+  std::stable_partition(order.begin(), opaque, [&](std::uint32_t t) { return surface(t).double_sided; });
+  std::sort(opaque, order.end(), std::greater<>());
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    const Surface& s = surface(order[i]);
     std::vector<DrawRange>& ranges = result.ranges;
     if (ranges.empty() || ranges.back().culled == s.double_sided || ranges.back().opaque != s.opaque)
       ranges.push_back({i, 0, !s.double_sided, s.opaque, false});
@@ -108,12 +108,12 @@ constexpr float kFar = std::numeric_limits<float>::max();
 constexpr TriangleGroup kNoTriangles{.range = {}, .low = {kFar, kFar, kFar}, .high = {-kFar, -kFar, -kFar}};
 
 // About 256 groups, each of one object where objects are not tiny.
-std::vector<TriangleGroup> groups_of(const RenderScene& scene, const Sequence& sequence) {
-  const std::size_t most = std::max<std::size_t>(32, sequence.triangles.size() / 256);
-  const auto object = [&](std::uint32_t place) { return scene.objects[sequence.triangles[place]]; };
+std::vector<TriangleGroup> groups_of(const RenderScene& scene, const SortedTriangles& order) {
+  const std::size_t most = std::max<std::size_t>(32, order.triangles.size() / 256);
+  const auto object = [&](std::uint32_t place) { return scene.objects[order.triangles[place]]; };
   TriangleGroup whole = kNoTriangles;
   std::vector<TriangleGroup> groups;
-  for (const DrawRange& range : sequence.ranges) {
+  for (const DrawRange& range : order.ranges) {
     for (std::uint32_t i = range.first_triangle; i < range.first_triangle + range.triangles; ++i) {
       const bool begins = i == range.first_triangle || groups.back().range.triangles >= most ||
                           (groups.back().range.triangles >= most / 4 && object(i) != object(i - 1));
@@ -124,7 +124,7 @@ std::vector<TriangleGroup> groups_of(const RenderScene& scene, const Sequence& s
         groups.back().range.triangles = 0;
       }
       ++groups.back().range.triangles;
-      for (const std::uint32_t vertex : scene.triangles[sequence.triangles[i]]) {
+      for (const std::uint32_t vertex : scene.triangles[order.triangles[i]]) {
         grow(groups.back(), scene.positions[vertex]);
         grow(whole, scene.positions[vertex]);
       }
@@ -218,12 +218,12 @@ bool GpuScene::has_opaque() const {
 
 GpuScene upload_scene(Context& context, const RenderScene& scene) {
   check_scene(scene);
-  Sequence sequence = sequence_of(scene);
+  SortedTriangles order = sorted_triangles(scene);
   std::vector<Triangle> triangles;
   std::vector<std::array<std::uint32_t, 2>> infos;
-  triangles.reserve(sequence.triangles.size());
-  infos.reserve(sequence.triangles.size());
-  for (const std::uint32_t t : sequence.triangles) {
+  triangles.reserve(order.triangles.size());
+  infos.reserve(order.triangles.size());
+  for (const std::uint32_t t : order.triangles) {
     triangles.push_back(smallest_corner_first(scene.triangles[t], scene.positions));
     infos.push_back({scene.objects[t], t});
   }
@@ -243,8 +243,8 @@ GpuScene upload_scene(Context& context, const RenderScene& scene) {
     gpu.textures =
         make_filled(context, "scene's textures", texture_words(make_texture_levels(scene.textures)));
   gpu.object_count = static_cast<std::uint32_t>(scene.surfaces.size());
-  gpu.all_groups = groups_of(scene, sequence);
-  gpu.all_ranges = std::move(sequence.ranges);
+  gpu.all_groups = groups_of(scene, order);
+  gpu.all_ranges = std::move(order.ranges);
   gpu.draw_all();
   return gpu;
 }

@@ -21,8 +21,8 @@ struct DrawRange {
   bool cut_out = false;  // of some triangles fragments are cut out
 };
 
-// Neighbours in the sequence, with a box that is somewhat larger than they are: more than what rasterisation
-// rounds.
+// Neighbours in the draw order, with a box that is somewhat larger than they are: more than what
+// rasterisation rounds.
 struct TriangleGroup {
   DrawRange range;
   Vec3f low, high;

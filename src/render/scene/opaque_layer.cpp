@@ -25,7 +25,7 @@ void OpaqueLayer::draw(const Frame& frame, Recorder& recorder) const {
   Attachments attachments = frame.attachments();
   attachments.colors = {&nearest_};
   attachments.depth = &depth_;
-  // The sequence of drawing is that of falling ids: where depths are equal the smallest one stays.
+  // The draw order is that of falling ids: where depths are equal the smallest one stays.
   recorder.draw(frame.scene,
                 frame.pipelines.scene({.fragment_shader = "scene/opaque.frag",
                                        .constants = {frame.effect},

@@ -24,7 +24,7 @@ class SurfaceSampler {
   using Place = std::array<double, 2>;  // texture coordinates, or pixels
   using Weights = std::array<double, 3>;
 
-  // Of a triangle's corners, where the ray through a point of the picture meets its plane.
+  // Of a triangle's corners, where the ray through a point of the image meets its plane.
   [[nodiscard]] Weights weights_at(const Place& point, const Triangle& triangle) const;
   [[nodiscard]] Place texcoord_at(const Place& point, const Triangle& triangle) const;
   [[nodiscard]] Color vertex_color(const Place& point, const Triangle& triangle) const;

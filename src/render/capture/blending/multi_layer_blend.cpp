@@ -1,6 +1,6 @@
 // Multi-layer alpha blending: the nearest layers of a pixel in four nodes, where the farthest takes up what
 // has no place. A fragment that comes late finds those that it should lie between merged already, so it
-// depends on the sequence of drawing, and only attachments that are read back in that sequence make it the
+// depends on the draw order, and only attachments that are read back in that order make it the
 // same each time. Salvi, Vaidyanathan, "Multi-Layer Alpha Blending", I3D 2014.
 #include "render/capture/registry.h"
 #include "render/device/ordered_attachments.h"
@@ -39,11 +39,11 @@ class MultiLayerBlend final : public Technique {
 
 TechniqueEntry multi_layer_blend() {
   return {{.name = "mlab4",
-           .title = "four layers, the farthest merged in the sequence of drawing",
+           .title = "four layers, the farthest merged in draw order",
            .paper = "Salvi, Vaidyanathan 2014",
            .exact = false,
            .order_free = false,
-           .captures = "all, in four layers: right up to four fragments, then by the sequence of drawing",
+           .captures = "all, in four layers: right up to four fragments, then by the draw order",
            .passes_formula = "1",
            .bytes_formula = "48",
            .blends_only = true,

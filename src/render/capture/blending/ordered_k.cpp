@@ -1,8 +1,8 @@
-// The ordered k-buffer: blending in the sequence of drawing, which in-depth orders make nearly right, through
+// The ordered k-buffer: blending in draw order, which in-depth orders make nearly right, through
 // a window of k fragments that are sorted. What leaves the window, the nearest, is blended under what left
 // before, so a fragment may come after up to k farther ones and is blended in its place all the same: one
 // geometry pass, in a number of bytes that does not depend on the scene. One that comes later still is
-// blended where it is and marks its pixel: where none is marked, the picture is exact.
+// blended where it is and marks its pixel: where none is marked, the image is exact.
 #include <fmt/format.h>
 
 #include "render/capture/registry.h"
@@ -29,7 +29,7 @@ class OrderedK final : public Technique {
     const DeviceInfo& device = frame.context.info();
     if (attachments > device.ordered_attachments) {
       throw Error(ErrorKind::bad_argument,
-                  fmt::format("--technique ordered-k needs {} attachments for --k {}, and {} has {}",
+                  fmt::format("technique ordered-k needs {} attachments for k = {}, and {} has {}",
                               attachments, frame.options.k, device.name, device.ordered_attachments));
     }
     layers_ = frame.make_image("window layers", kOrderedFormat, attachments, ImageUse::read_back);
@@ -55,13 +55,14 @@ class OrderedK final : public Technique {
 
 TechniqueEntry ordered_k() {
   return {{.name = "ordered-k",
-           .title = "blending in the sequence of drawing, put right within a window of k fragments",
+           .title = "blending in draw order, put right within a window of k fragments",
            .paper = "",
            .exact = false,
            .order_free = false,
            .captures = "all, in order where none comes after more than k farther ones; others are counted",
            .passes_formula = "1",
            .bytes_formula = "16 ceil((3 K + 7) / 4)",
+           .groups = {OptionGroup::k},
            .blends_only = true,
            .needs_ordered = window_attachments_for(1)},
           [] { return std::unique_ptr<Technique>(std::make_unique<OrderedK>()); }};

@@ -1,5 +1,5 @@
-// Hardware blending in the sequence of drawing: what capture is measured against, and right where that
-// sequence runs front to back in every pixel.
+// Hardware blending in draw order: what capture is measured against, and right where that
+// order runs front to back in every pixel.
 #include "render/capture/registry.h"
 
 namespace pellucid::render {
@@ -36,11 +36,11 @@ class PlainBlend final : public Technique {
 
 TechniqueEntry plain_blend() {
   return {{.name = "blend",
-           .title = "hardware blending in the sequence of drawing, the first in front",
+           .title = "hardware blending in draw order, the first in front",
            .paper = "Porter, Duff 1984",
            .exact = false,
            .order_free = false,
-           .captures = "all, but in the sequence of drawing",
+           .captures = "all, but in draw order",
            .passes_formula = "1",
            .bytes_formula = "16",
            .blends_only = true},

@@ -32,7 +32,7 @@ void draw_sums(const Frame& frame, Recorder& recorder, std::string_view fragment
   recorder.barrier();
 }
 
-// Leaves the picture.
+// Leaves the image.
 void resolve_sums(const Frame& frame, Recorder& recorder, const Image& colors, const Image& depths) {
   recorder.begin_resolve();
   recorder.bind(Slot::image_0, colors);
@@ -151,6 +151,7 @@ TechniqueEntry stochastic_blend() {
            .captures = "all, by a random share of the light that gets to them; transmittance of all is exact",
            .passes_formula = "2",
            .bytes_formula = "4 K + 12",
+           .groups = {OptionGroup::k},
            .blends_only = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<StochasticBlend>()); }};
 }

@@ -1,11 +1,11 @@
-// Order-verified blending: blending in the sequence of drawing, which in-depth orders make right nearly
+// Order-verified blending: blending in draw order, which in-depth orders make right nearly
 // everywhere, and exact capture where it was not.
 //
 // Front to back, every fragment lies behind all that were drawn before it. The depth test says whether it
 // does: GREATER, with depth written, lets it through and blends it under the others; what fails is nearer
 // than something already blended, or as near, and counts up its pixel's stencil. Marked pixels, and only
 // these, are captured by an S-buffer behind the stencil test and drawn anew, with the triangles that touch
-// their tiles: the picture is exact whatever the sequence was. Opaque surfaces are drawn first and discard in
+// their tiles: the image is exact whatever the order was. Opaque surfaces are drawn first and discard in
 // the shader, so that they mark nothing.
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"
@@ -180,15 +180,15 @@ class VerifiedBlend final : public Technique {
 }  // namespace
 
 TechniqueEntry verified_blend() {
-  return {
-      {.name = "verified",
-       .title = "blending in the sequence of drawing, checked by the depth test, repaired where it was wrong",
-       .paper = "",
-       .captures = "all",
-       .passes_formula = "2, 3 where something is repaired",
-       .bytes_formula = "32 + 12 N of repaired pixels",
-       .blends_only = true},
-      [] { return std::unique_ptr<Technique>(std::make_unique<VerifiedBlend>()); }};
+  return {{.name = "verified",
+           .title = "blending in draw order, checked by the depth test, repaired where it was wrong",
+           .paper = "",
+           .captures = "all",
+           .passes_formula = "2, 3 where something is repaired",
+           .bytes_formula = "32 + 12 N of repaired pixels",
+           .groups = {OptionGroup::sorting},
+           .blends_only = true},
+          [] { return std::unique_ptr<Technique>(std::make_unique<VerifiedBlend>()); }};
 }
 
 }  // namespace pellucid::render

@@ -70,6 +70,7 @@ TechniqueEntry uniform_buckets() {
            .captures = "two of every bucket",
            .passes_formula = "3",
            .bytes_formula = "24 K + 8",
+           .groups = {OptionGroup::k},
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<BucketPairs>(false)); }};
 }
@@ -82,6 +83,7 @@ TechniqueEntry adaptive_buckets() {
            .captures = "two of every bucket",
            .passes_formula = "4",
            .bytes_formula = "28 K + 136",
+           .groups = {OptionGroup::k},
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<BucketPairs>(true)); }};
 }

@@ -1,4 +1,4 @@
-// An array of k fragments for every pixel, filled in the sequence of drawing (FAB of the paper).
+// An array of k fragments for every pixel, filled in draw order (FAB of the paper).
 // Crassin, "Fast and Accurate Single-Pass A-Buffer", 2010; Liu et al., "FreePipe", I3D 2010.
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"
@@ -41,7 +41,8 @@ TechniqueEntry fixed_arrays() {
            .order_free = false,
            .captures = "of a pixel with more than k fragments, those drawn first",
            .passes_formula = "1",
-           .bytes_formula = "12 K + 4"},
+           .bytes_formula = "12 K + 4",
+           .groups = {OptionGroup::k, OptionGroup::sorting}},
           [] { return std::unique_ptr<Technique>(std::make_unique<FixedArrays>()); }};
 }
 

@@ -60,6 +60,7 @@ TechniqueEntry linked_lists() {
            .captures = "all that the pool has room for",
            .passes_formula = "1",
            .bytes_formula = "16 N + 4",
+           .groups = {OptionGroup::pool, OptionGroup::overflow, OptionGroup::sorting},
            .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(false)); }};
 }
@@ -71,6 +72,7 @@ TechniqueEntry bucketed_lists() {
            .captures = "all that the pool has room for",
            .passes_formula = "2",
            .bytes_formula = "16 N + 4 K + 8",
+           .groups = {OptionGroup::k, OptionGroup::pool, OptionGroup::overflow, OptionGroup::sorting},
            .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<LinkedLists>(true)); }};
 }

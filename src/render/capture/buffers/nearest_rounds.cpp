@@ -193,10 +193,10 @@ class NearestRounds final : public Technique {
  private:
   [[nodiscard]] bool loses() const { return overflow_ == Overflow::nearest; }
   [[nodiscard]] bool given_k(const Frame& frame) const {
-    return budget_ == Budget::k && frame.options.memory == 0;
+    return budget_ == Budget::k && frame.options.budget.bytes == 0;
   }
   [[nodiscard]] static std::uint64_t memory(const Frame& frame) {
-    return frame.options.memory != 0 ? frame.options.memory : kBoundedBytes * frame.pixels();
+    return frame.options.budget.bytes != 0 ? frame.options.budget.bytes : kBoundedBytes * frame.pixels();
   }
   // Of the pool.
   [[nodiscard]] std::uint64_t places(const Frame& frame) const {
@@ -232,7 +232,7 @@ TechniqueEntry multi_k_buffer() {
        .captures = "all",
        .passes_formula = "1 + 2 ceil(N / K)",
        .bytes_formula = "12 min(N, K) + 44",
-       .budgeted = true,
+       .groups = {OptionGroup::k, OptionGroup::budget},
        .needs_atomics64 = true},
       [] { return std::unique_ptr<Technique>(std::make_unique<NearestRounds>(Budget::k, Overflow::exact)); }};
 }
@@ -240,12 +240,12 @@ TechniqueEntry multi_k_buffer() {
 TechniqueEntry bounded() {
   return {
       {.name = "bounded",
-       .title = "the nearest fragments a round, as many as --memory holds, until all are there",
+       .title = "the nearest fragments a round, as many as the memory budget holds, until all are there",
        .paper = "",
        .captures = "all",
        .passes_formula = "1 + 2 ceil(12 N / (bytes - 44))",
-       .bytes_formula = "64, or --memory",
-       .budgeted = true,
+       .bytes_formula = "64, or the memory budget",
+       .groups = {OptionGroup::budget},
        .needs_atomics64 = true},
       [] {
         return std::unique_ptr<Technique>(std::make_unique<NearestRounds>(Budget::memory, Overflow::exact));

@@ -51,6 +51,7 @@ TechniqueEntry s_buffer() {
            .captures = "all that the pool has room for",
            .passes_formula = "2",
            .bytes_formula = "12 N + 8",
+           .groups = {OptionGroup::pool, OptionGroup::overflow, OptionGroup::sorting},
            .pooled = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<SBuffer>()); }};
 }

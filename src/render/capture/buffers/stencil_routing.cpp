@@ -62,6 +62,7 @@ TechniqueEntry stencil_routing() {
            .captures = "of a pixel with more than k fragments, those drawn first",
            .passes_formula = "1, to K layers",
            .bytes_formula = "24 K",
+           .groups = {OptionGroup::k, OptionGroup::sorting},
            .needs_layered = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<StencilRouting>()); }};
 }

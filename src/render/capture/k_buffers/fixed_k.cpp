@@ -22,7 +22,7 @@ constexpr std::uint64_t kMostInAttachments = 65'535;
 class FixedK final : public TailedBuffer {
  public:
   explicit FixedK(TailWeight weight) : weight_(weight) {}
-  // With a k of its own, not what fits: then the picture is cut into bands.
+  // With a k of its own, not what fits: then the image is cut into bands.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return takes_k(frame) && frame.sync != Sync::ordered ? default_bytes(frame) : 0;
   }
@@ -69,9 +69,11 @@ class FixedK final : public TailedBuffer {
 
  private:
   // Without a budget, which says what fits.
-  [[nodiscard]] bool takes_k(const Frame& frame) const { return by_opacity() && frame.options.memory == 0; }
+  [[nodiscard]] bool takes_k(const Frame& frame) const {
+    return by_opacity() && frame.options.budget.bytes == 0;
+  }
   [[nodiscard]] std::uint64_t bytes_given(const Frame& frame) const {
-    return frame.options.memory != 0 ? frame.options.memory : default_bytes(frame);
+    return frame.options.budget.bytes != 0 ? frame.options.budget.bytes : default_bytes(frame);
   }
 
   // Opacities are one sum more.
@@ -98,7 +100,7 @@ class FixedK final : public TailedBuffer {
     if (takes_k(frame) && attachments_for(frame.options.k) > most) {
       throw Error(
           ErrorKind::bad_argument,
-          fmt::format("--sync ordered needs {} attachments for --k {}, and {} has {}",
+          fmt::format("ordered synchronisation needs {} attachments for k = {}, and {} has {}",
                       attachments_for(frame.options.k), frame.options.k, frame.context.info().name, most));
     }
     const std::uint32_t attachments = attachments_in(frame, bytes);
@@ -126,7 +128,8 @@ class FixedK final : public TailedBuffer {
   OrderedTarget target_;
 };
 
-TechniqueInfo fixed_info(const char* name, const char* title, const char* bytes_formula) {
+TechniqueInfo fixed_info(const char* name, const char* title, const char* bytes_formula,
+                         std::vector<OptionGroup> groups) {
   return {.name = name,
           .title = title,
           .paper = "Maule et al. 2013",
@@ -134,25 +137,27 @@ TechniqueInfo fixed_info(const char* name, const char* title, const char* bytes_
           .captures = "the k nearest of a pixel; the others blended without order",
           .passes_formula = "1, 3 or 4",
           .bytes_formula = bytes_formula,
+          .groups = std::move(groups),
           .syncs = {Sync::atomics, Sync::atomics32, Sync::ordered},
-          .budgeted = true,
           .keeps_tail = true};
 }
 
 }  // namespace
 
 TechniqueEntry fixed_k() {
-  return {fixed_info("fixed-k", "the k nearest fragments of every pixel and a tail, k as --memory allows",
-                     "8 k + 8 or 12 k + 16"),
+  return {fixed_info("fixed-k",
+                     "the k nearest fragments of every pixel and a tail, k as the memory budget allows",
+                     "8 k + 8 or 12 k + 16", {OptionGroup::budget, OptionGroup::maps, OptionGroup::sync}),
           [] { return std::unique_ptr<Technique>(std::make_unique<FixedK>(TailWeight::optical_depth)); }};
 }
 
 TechniqueEntry hybrid() {
-  return {
-      fixed_info("hybrid",
-                 "the k nearest fragments of every pixel and a tail by opacity, k as --k or --memory allows",
-                 "8 k + 16 or 12 k + 20"),
-      [] { return std::unique_ptr<Technique>(std::make_unique<FixedK>(TailWeight::opacity)); }};
+  return {fixed_info("hybrid",
+                     "the k nearest fragments of every pixel and a tail by opacity, k as given or as the "
+                     "memory budget allows",
+                     "8 k + 16 or 12 k + 20",
+                     {OptionGroup::k, OptionGroup::budget, OptionGroup::maps, OptionGroup::sync}),
+          [] { return std::unique_ptr<Technique>(std::make_unique<FixedK>(TailWeight::opacity)); }};
 }
 
 }  // namespace pellucid::render

@@ -44,7 +44,7 @@ class MappedK final : public TailedBuffer {
     Importance wanted = importance_of(frame);
     wanted.packed = frame.deepest <= kMostPacked;
     Sharing sharing = by_importance_ ? Sharing::water : Sharing::uniform;
-    if (by_importance_ && frame.options.allocation == Allocation::printed) sharing = Sharing::printed;
+    if (by_importance_ && frame.options.budget.allocation == Allocation::printed) sharing = Sharing::printed;
     const std::uint64_t given = given_bytes(frame, wanted);
     MappedPlan plan = plan_mapped(demand, wanted.survey_words(), given);
     // Less is surveyed, where there is no room for more: tails have no weights then, and in the end all
@@ -97,8 +97,9 @@ class MappedK final : public TailedBuffer {
     map_.record(frame, recorder, pool_, given);
     const bool measures = uses_residue_ && frame.effect != kDumpEffect;
     if (measures) recorder.bind(Slot::e, *frame.residue);
-    const Constants constants{frame.effect, frame.options.heap_from, static_cast<std::uint32_t>(places_)};
-    recorder.push().p = {0, tail_range(frame.deepest), frame.options.lock_turns, 0};
+    const Constants constants{frame.effect, frame.options.k_buffer.heap_from,
+                              static_cast<std::uint32_t>(places_)};
+    recorder.push().p = {0, tail_range(frame.deepest), frame.options.k_buffer.lock_turns, 0};
     clear_pool(recorder, pool_);
     record_keys(frame, recorder, constants);
     gather(frame, recorder, "capture/k_buffers/place_colors.frag", constants);
@@ -122,23 +123,25 @@ class MappedK final : public TailedBuffer {
     if (!is_limited || std::min(frame.deepest, slots) <= kMostSorted) return;
     throw Error(
         ErrorKind::bad_argument,
-        fmt::format("--sync {}: a pixel has {} fragments, more than the {} that are sorted: try --sync "
-                    "atomics",
-                    frame.sync == Sync::interlock ? "interlock" : "spinlock", frame.deepest, kMostSorted));
+        fmt::format(
+            "{} synchronisation: a pixel has {} fragments, more than the {} that this driver can sort: take "
+            "atomics",
+            frame.sync == Sync::interlock ? "interlock" : "spinlock", frame.deepest, kMostSorted));
   }
   [[nodiscard]] Importance importance_of(const Frame& frame) const {
     Importance importance;
     importance.options.noise = 0;
     if (!by_importance_) return importance;
-    importance.options = frame.options.importance;
+    importance.options = frame.options.budget.importance;
     for (const ImportanceTerm term : importance.options.terms)
       importance.terms |= static_cast<std::uint32_t>(term);
     if (importance.has(ImportanceTerm::image) && importance.has(ImportanceTerm::residue)) {
       throw Error(ErrorKind::bad_argument,
-                  "--importance: not both image and residue: they lie in the same place");
+                  "terms of importance: image and residue cannot be combined, as they lie in the same place");
     }
     if (importance.has(ImportanceTerm::image) && importance.options.image.bytes.empty())
-      throw Error(ErrorKind::bad_argument, "--importance image: no --importance-image is given");
+      throw Error(ErrorKind::bad_argument,
+                  "terms of importance: image is among them, but there is no importance image");
     return importance;
   }
   static std::uint64_t residue_bytes(const Frame& frame) {
@@ -174,18 +177,19 @@ class MappedK final : public TailedBuffer {
 }  // namespace
 
 TechniqueEntry k_plus() {
-  return {{.name = "k-plus",
-           .title = "the min(N, k) nearest fragments and a tail, the largest k that --memory allows",
-           .paper = "Vasilakis et al. 2015",
-           .exact = false,
-           .captures = "the k nearest of a pixel; the others blended without order",
-           .passes_formula = "4",
-           .bytes_formula = "8 min(N, k + 1) + 4",
-           .syncs = {Sync::atomics, Sync::interlock, Sync::spinlock},
-           .budgeted = true,
-           .keeps_tail = true,
-           .needs_atomics64 = true},
-          [] { return std::unique_ptr<Technique>(std::make_unique<MappedK>(false)); }};
+  return {
+      {.name = "k-plus",
+       .title = "the min(N, k) nearest fragments and a tail, the largest k that the memory budget allows",
+       .paper = "Vasilakis et al. 2015",
+       .exact = false,
+       .captures = "the k nearest of a pixel; the others blended without order",
+       .passes_formula = "4",
+       .bytes_formula = "8 min(N, k + 1) + 4",
+       .groups = {OptionGroup::budget, OptionGroup::maps, OptionGroup::sync, OptionGroup::critical_sections},
+       .syncs = {Sync::atomics, Sync::interlock, Sync::spinlock},
+       .keeps_tail = true,
+       .needs_atomics64 = true},
+      [] { return std::unique_ptr<Technique>(std::make_unique<MappedK>(false)); }};
 }
 
 TechniqueEntry variable_k() {
@@ -196,8 +200,9 @@ TechniqueEntry variable_k() {
            .captures = "the k(p) nearest of a pixel; the others blended without order",
            .passes_formula = "4",
            .bytes_formula = "8 min(N, k(p) + 1) + 4",
+           .groups = {OptionGroup::budget, OptionGroup::maps, OptionGroup::importance, OptionGroup::sync,
+                      OptionGroup::critical_sections},
            .syncs = {Sync::atomics, Sync::interlock, Sync::spinlock},
-           .budgeted = true,
            .keeps_tail = true,
            .needs_atomics64 = true},
           [] { return std::unique_ptr<Technique>(std::make_unique<MappedK>(true)); }};

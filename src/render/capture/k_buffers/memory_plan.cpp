@@ -43,7 +43,7 @@ MappedPlan plan_mapped(const BudgetDemand& demand, std::uint64_t survey_words, s
 BlockPlan plan_blocks(const BudgetDemand& demand) {
   if (demand.bytes < kBlockTailBytes) {
     throw Error(ErrorKind::bad_argument,
-                fmt::format("--memory: {} bytes are not even one tail, which takes {}", demand.bytes,
+                fmt::format("memory budget: {} bytes do not hold one tail, which takes {}", demand.bytes,
                             kBlockTailBytes));
   }
   BlockPlan plan;

@@ -83,6 +83,7 @@ TechniqueEntry k_buffer() {
            .captures = "the k nearest of a pixel",
            .passes_formula = "1 or 2",
            .bytes_formula = "12 K",
+           .groups = {OptionGroup::k, OptionGroup::sync},
            .syncs = {Sync::ordered, Sync::interlock, Sync::atomics}},
           [] { return std::unique_ptr<Technique>(std::make_unique<NearestK>()); }};
 }

@@ -44,7 +44,7 @@ void PlaceMap::allocate(Frame& frame, const MappedPlan& plan, Sharing sharing, c
   map_ = frame.make_buffer("map of places", plan.map_bytes);
   state_ = frame.make_buffer("budget", plan.state_bytes);
   // To be looked at, not to be drawn with: not the technique's own.
-  if (frame.options.maps) kept_importance_ = Buffer(frame.context, "importance map", plan.map_bytes);
+  if (frame.options.budget.maps) kept_importance_ = Buffer(frame.context, "importance map", plan.map_bytes);
   const ImportanceOptions& o = importance.options;
   BudgetState state{.slots = static_cast<std::uint32_t>(plan.slots),
                     .alpha = static_cast<float>(o.alpha),

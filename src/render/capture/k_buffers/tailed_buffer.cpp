@@ -61,7 +61,7 @@ std::uint64_t TailedBuffer::default_bytes(const Frame& frame) const {
 }
 
 void TailedBuffer::allocate(Frame& frame) {
-  const std::uint64_t memory = frame.options.memory;
+  const std::uint64_t memory = frame.options.budget.bytes;
   const BudgetDemand demand = demand_of(frame, memory != 0 ? memory : default_bytes(frame));
   if (!allocate_places(frame, demand)) blocks_.emplace().allocate(frame, plan_blocks(demand));
 }
@@ -72,12 +72,12 @@ void TailedBuffer::start(Frame& frame, Recorder& recorder) {
 }
 
 void TailedBuffer::report(const Frame& frame, std::span<const std::uint32_t> counts, RenderResult& result) {
-  if (!frame.options.statistics && !frame.options.maps) return;
+  if (!frame.options.statistics && !frame.options.budget.maps) return;
   const std::vector<std::uint32_t> slots = blocks_ ? std::vector<std::uint32_t>(counts.size()) : keys(frame);
   for (std::size_t p = 0; p < counts.size(); ++p) {
     if (counts[p] > 0) add_k(result.stats, slots[p]);
   }
-  if (!frame.options.maps) return;
+  if (!frame.options.budget.maps) return;
   const std::vector<float> seen = blocks_ ? std::vector<float>(counts.size()) : importance(frame);
   const std::uint32_t samples = frame.options.samples;
   for (std::size_t n = 0; n < counts.size(); ++n) {

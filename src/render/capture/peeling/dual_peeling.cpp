@@ -67,7 +67,7 @@ TechniqueEntry f2b_2p() {
            .captures = "all",
            .passes_formula = "2 sum of ceil(C / 2) + 1",
            .bytes_formula = "104",
-           .can_cull = true},
+           .groups = {OptionGroup::culling}},
           make<LayerStorage::pairs, 1>};
 }
 
@@ -79,7 +79,7 @@ TechniqueEntry dual() {
            .captures = "of fragments at one depth one: of the smallest id in front, of the largest behind",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "96",
-           .can_cull = true,
+           .groups = {OptionGroup::culling},
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2, false>};
 }
@@ -91,7 +91,7 @@ TechniqueEntry dual_2p() {
            .captures = "all",
            .passes_formula = "1 + 1 to 2 times the sum of ceil(C / 2)",
            .bytes_formula = "204",
-           .can_cull = true},
+           .groups = {OptionGroup::culling}},
           make<LayerStorage::pairs, 2>};
 }
 
@@ -102,7 +102,7 @@ TechniqueEntry dual_ll() {
            .captures = "all that the pool has room for",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "12 N + 92",
-           .can_cull = true},
+           .groups = {OptionGroup::pool, OptionGroup::overflow, OptionGroup::culling}},
           make<LayerStorage::lists, 2>};
 }
 
@@ -113,7 +113,7 @@ TechniqueEntry dual_kb() {
            .captures = "all",
            .passes_formula = "1 + half to all of the sum of ceil(C / K)",
            .bytes_formula = "16 K + 100",
-           .can_cull = true,
+           .groups = {OptionGroup::k, OptionGroup::culling},
            .needs_atomics64 = true},
           make<LayerStorage::chains, 2>};
 }
@@ -127,7 +127,7 @@ TechniqueEntry dual_fab() {
            .captures = "of more than k fragments at one depth, those drawn first",
            .passes_formula = "ceil(D / 2) + 1",
            .bytes_formula = "16 K + 92",
-           .can_cull = true},
+           .groups = {OptionGroup::k, OptionGroup::culling}},
           make<LayerStorage::arrays, 2>};
 }
 

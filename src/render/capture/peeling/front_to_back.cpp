@@ -126,7 +126,7 @@ TechniqueEntry f2b() {
            .captures = "of fragments at one depth, the one drawn last",
            .passes_formula = "D + 1",
            .bytes_formula = "48",
-           .can_cull = true},
+           .groups = {OptionGroup::culling}},
           make_front_to_back<LayerStorage::image, false>};
 }
 
@@ -139,7 +139,7 @@ TechniqueEntry f2b2() {
            .captures = "of fragments at one depth, the one drawn last",
            .passes_formula = "2 (D + 1)",
            .bytes_formula = "48",
-           .can_cull = true},
+           .groups = {OptionGroup::culling}},
           make_front_to_back<LayerStorage::image, true>};
 }
 
@@ -150,7 +150,7 @@ TechniqueEntry f2b_3p() {
            .captures = "all",
            .passes_formula = "3 (sum of ceil(C / 2) + 1)",
            .bytes_formula = "104",
-           .can_cull = true},
+           .groups = {OptionGroup::culling}},
           make_front_to_back<LayerStorage::pairs, true>};
 }
 
@@ -161,7 +161,7 @@ TechniqueEntry f2b_ll() {
            .captures = "all that the pool has room for",
            .passes_formula = "2 (D + 1)",
            .bytes_formula = "12 N + 48",
-           .can_cull = true},
+           .groups = {OptionGroup::pool, OptionGroup::overflow, OptionGroup::culling}},
           make_front_to_back<LayerStorage::lists, true>};
 }
 
@@ -172,7 +172,7 @@ TechniqueEntry f2b_kb() {
            .captures = "all",
            .passes_formula = "2 (sum of ceil(C / K) + 1)",
            .bytes_formula = "8 K + 52",
-           .can_cull = true,
+           .groups = {OptionGroup::k, OptionGroup::culling},
            .needs_atomics64 = true},
           make_front_to_back<LayerStorage::chains, true>};
 }
@@ -186,7 +186,7 @@ TechniqueEntry f2b_fab() {
            .captures = "of more than k fragments at one depth, those drawn first",
            .passes_formula = "2 (D + 1)",
            .bytes_formula = "8 K + 48",
-           .can_cull = true},
+           .groups = {OptionGroup::k, OptionGroup::culling}},
           make_front_to_back<LayerStorage::arrays, true>};
 }
 

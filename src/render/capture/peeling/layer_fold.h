@@ -42,7 +42,7 @@ class LayerFold {
   // "pairs_2": the end of the names of shaders for this form.
   [[nodiscard]] std::string shader_suffix() const;
   void fold(Frame& frame, Recorder& recorder) const;
-  // After the last round: the picture.
+  // After the last round: the image.
   void finish(Frame& frame, Recorder& recorder) const;
 
  private:

@@ -1,15 +1,18 @@
-// Options with a few named values.
+// Building blocks of options: named values, old names, and options that would have no effect.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pellucid/base.h"
+
 namespace pellucid::cli {
 
-// The help lists the names in the order given here.
+// Adds an option that takes one of a few names. The help lists the names in the order given here.
 template <class Value>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices,
@@ -23,6 +26,37 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Value& value
     value = found->second;
   };
   return command.add_option_function<std::string>(name, set, description)->type_name(names);
+}
+
+// Adds a hidden option of an old name, with or without a value. Using it is a usage error that names the new
+// option: "--views is called --partition here".
+inline void refuse_old_option(CLI::App& command, const std::string& old_name, const std::string& new_name) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          old_name,
+          [old_name, new_name](const std::vector<std::string>&) {
+            throw CLI::ValidationError(old_name + " is called " + new_name + " here");
+          })
+      ->expected(0, 1)
+      ->group("");
+}
+
+// A rule of a command: `option` does something only where `condition` holds. `reason` says why it does not.
+struct Need {
+  const char* option;
+  bool condition;
+  std::string reason;
+};
+inline Need needs(const char* option, bool condition, std::string reason) {
+  return {option, condition, std::move(reason)};
+}
+
+// Throws Error{bad_argument} for the first option that was given and would have no effect.
+inline void refuse_without_effect(const CLI::App& command, std::initializer_list<Need> rules) {
+  for (const Need& rule : rules) {
+    if (rule.condition || command.count(rule.option) == 0) continue;
+    throw Error(ErrorKind::bad_argument, std::string(rule.option) + " would have no effect: " + rule.reason);
+  }
 }
 
 }  // namespace pellucid::cli

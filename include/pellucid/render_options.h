@@ -1,8 +1,8 @@
 // pellucid/render_options.h - module `render`: effects, capture techniques, and the options of drawing.
 //
-// A capture technique delivers fragments of every pixel, an effect folds them into a colour. TechniqueInfo says
-// what a technique keeps, what it costs and which options it uses. Paper: Vasilakis, Fudos, "Depth-Fighting
-// Aware Methods for Multi-Fragment Rendering", TVCG 2014.
+// A capture technique delivers fragments of every pixel, an effect folds them into a colour. TechniqueInfo
+// says what a technique keeps, what it costs and which options it uses. Paper: Vasilakis, Fudos,
+// "Depth-Fighting Aware Methods for Multi-Fragment Rendering", TVCG 2014.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,8 @@ std::span<const NamedEffect> render_effects();
 
 // What becomes of fragments that a pool or a memory budget has no room for. It needs 64-bit atomics.
 enum class Overflow {
-  // The nearest fragments of every pixel are kept, in all as many as the pool has nodes. The others are counted
+  // The nearest fragments of every pixel are kept, in all as many as the pool has nodes. The others are
+  // counted
   // and, where the effect blends, shown behind them as one layer of their weighted average colour with the
   // product of their transmittances.
   nearest,
@@ -73,8 +74,8 @@ struct BudgetOptions {
 };
 
 // How fragments of a pixel that are shaded at the same time are kept apart, in techniques with
-// TechniqueInfo::syncs. What is captured is the same in all ways, of techniques with a memory budget as long as
-// k is.
+// TechniqueInfo::syncs. What is captured is the same in all ways, of techniques with a memory budget as long
+// as k is.
 enum class Sync {
   automatic,  // the first of TechniqueInfo::syncs that the device supports; for `kb`, that also fits k
   atomics,    // chains of 64-bit minima: any k, two geometry passes
@@ -95,10 +96,11 @@ std::string missing_for(Sync sync, const DeviceInfo& device);
 // Options of k-buffers: `kb`, `fixed-k`, `hybrid`, `k-plus`, `variable-k`.
 struct KBufferOptions {
   Sync sync = Sync::automatic;
-  // Of `k-plus` and `variable-k` in critical sections: pixels with this number of slots or more hold them as a
-  // heap, others as an array. 16 in the paper.
+  // Of `k-plus` and `variable-k` in critical sections: pixels with this number of slots or more hold them as
+  // a heap, others as an array. 16 in the paper.
   std::uint32_t heap_from = 16;
-  // Of Sync::spinlock: how many times a fragment tries. Then it goes to the tail and is counted as overflowed.
+  // Of Sync::spinlock: how many times a fragment tries. Then it goes to the tail and is counted as
+  // overflowed.
   std::uint32_t lock_turns = 1024;
 };
 
@@ -115,9 +117,9 @@ struct RenderOptions {
   Vec3f edge_color{0.02F, 0.02F, 0.03F};          // linear; of Effect::wireframe
   // Fragments, samples or buckets of a pixel, of techniques with a fixed number of them; 1 .. 64.
   std::uint32_t k = 8;
-  // 1, or 4 at Vulkan's standard places. Each sample is a pixel of its own until the image is averaged, shading,
-  // depth and fragments included, so that edges are right also where surfaces intersect and coincide. Triangles
-  // are drawn once for each.
+  // 1, or 4 at Vulkan's standard places. Each sample is a pixel of its own until the image is averaged,
+  // shading, depth and fragments included, so that edges are right also where surfaces intersect and
+  // coincide. Triangles are drawn once for each.
   std::uint32_t samples = 1;
   PoolOptions pool{};
   BudgetOptions budget{};
@@ -148,14 +150,14 @@ enum class OptionGroup {
 };
 
 struct TechniqueInfo {
-  std::string name;            // "f2b-2p"
-  std::string title;           // "front-to-back peeling, two coplanar fragments a round"
-  std::string paper;           // where it is from
-  bool exact = true;           // captures every fragment, also coplanar ones, given enough memory
-  bool order_free = true;      // captures the same fragments in whatever order they are drawn
-  std::string captures;        // in words, where it is not exact
-  std::string passes_formula;  // D: depth layers; C: fragments of a layer; N: fragments of a pixel
-  std::string bytes_formula;   // of a pixel
+  std::string name;                   // "f2b-2p"
+  std::string title;                  // "front-to-back peeling, two coplanar fragments a round"
+  std::string paper;                  // where it is from
+  bool exact = true;                  // captures every fragment, also coplanar ones, given enough memory
+  bool order_free = true;             // captures the same fragments in whatever order they are drawn
+  std::string captures;               // in words, where it is not exact
+  std::string passes_formula;         // D: depth layers; C: fragments of a layer; N: fragments of a pixel
+  std::string bytes_formula;          // of a pixel
   std::vector<OptionGroup> groups{};  // the options that it uses
   // What KBufferOptions::sync may be, the preferred first; none: no choice, atomics where they are needed.
   std::vector<Sync> syncs{};

@@ -1,5 +1,5 @@
-// A captured picture: see capture_picture.h.
-#include "capture_picture.h"
+// Images by a capture technique: see capture_job.h.
+#include "capture_job.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-// One of the pictures that were asked for.
+// One of the images that were asked for.
 struct Taken {
   std::string output, camera;
   double time = 0;
@@ -38,15 +38,15 @@ struct Taken {
   nlohmann::ordered_json pixels;  // of --pixel
 };
 
-void print_result(const CapturePicture& picture, const std::string& device, const Taken& taken,
+void print_result(const CaptureJob& job, const std::string& device, const Taken& taken,
                   const Session& session) {
   const CaptureStats& stats = taken.stats;
   session.print(fmt::format(
       "{}: {}x{}, {} by {} on {}\n{} fragments on {} {}, at most {}; {} coplanar; captured {}{}\n"
       "{}{} geometry passes, {}, {:.1f} ms\n",
-      taken.output, picture.width, picture.height, named(picture.options.effect).name,
-      picture.options.technique, device, format_count(stats.fragments), format_count(stats.covered_pixels),
-      picture.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
+      taken.output, job.width, job.height, named(job.options.effect).name, job.options.technique, device,
+      format_count(stats.fragments), format_count(stats.covered_pixels),
+      job.options.samples > 1 ? "samples" : "pixels", stats.deepest_pixel, format_count(stats.coplanar),
       format_percent(stats.captured_share()),
       stats.overflowed > 0 ? fmt::format(", {} found no place", format_count(stats.overflowed)) : "",
       stats.rounds > 1 ? fmt::format("{} rounds, ", stats.rounds)
@@ -99,28 +99,28 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"drawn_share", stats.drawn_share}};
 }
 
-// One picture has its figures at the top, several have a list of them.
-nlohmann::ordered_json to_json(const CapturePicture& picture, const std::string& device,
+// One image has its figures at the top, several have a list of them.
+nlohmann::ordered_json to_json(const CaptureJob& job, const std::string& device,
                                const std::vector<Taken>& taken, std::size_t triangles, double seconds) {
-  const double pixels = static_cast<double>(picture.width) * picture.height;
+  const double pixels = static_cast<double>(job.width) * job.height;
   nlohmann::ordered_json json = {{"schema", 1},
                                  {"version", library_version()},
-                                 {"input", picture.input},
-                                 {"output", picture.output},
-                                 {"technique", picture.options.technique},
-                                 {"effect", named(picture.options.effect).name},
+                                 {"input", job.input},
+                                 {"output", job.output},
+                                 {"technique", job.options.technique},
+                                 {"effect", named(job.options.effect).name},
                                  {"device", device},
-                                 {"width", picture.width},
-                                 {"height", picture.height},
+                                 {"width", job.width},
+                                 {"height", job.height},
                                  {"triangles", triangles}};
-  if (picture.shots.empty()) {
+  if (job.shots.empty()) {
     json.update(to_json(taken.front().stats, pixels));
-    if (!picture.pixels.empty()) json["deep_pixels"] = taken.front().pixels;
+    if (!job.pixels.empty()) json["deep_pixels"] = taken.front().pixels;
   } else {
     for (const Taken& one : taken) {
       nlohmann::ordered_json entry = {{"output", one.output}, {"camera", one.camera}, {"time", one.time}};
       entry.update(to_json(one.stats, pixels));
-      if (!picture.pixels.empty()) entry["deep_pixels"] = one.pixels;
+      if (!job.pixels.empty()) entry["deep_pixels"] = one.pixels;
       json["pictures"].push_back(std::move(entry));
     }
   }
@@ -134,7 +134,7 @@ bool any_deforms(const Model& model) {
                      [](const Primitive& p) { return p.deforms; });
 }
 
-// Times of more frames, in which nothing is counted: their medians.
+// Takes the median times of more frames, in which nothing is counted.
 void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera& camera, Renderer& renderer,
                       const Session& session, CaptureStats& stats) {
   options.statistics = false;
@@ -187,34 +187,34 @@ Image to_image(const RenderResult& result) {
 
 namespace {
 
-std::vector<Shot> shots_of(const CapturePicture& picture) {
-  if (picture.shots.empty()) return {{picture.camera_text, picture.time}};
-  return picture.shots;
+std::vector<Shot> shots_of(const CaptureJob& job) {
+  if (job.shots.empty()) return {{job.camera_text, job.time}};
+  return job.shots;
 }
 
 // The scene as it stands when it is drawn, and what is made of it for that.
 class Stage {
  public:
-  Stage(const CapturePicture& picture, const Model& model)
-      : picture_(picture),
+  Stage(const CaptureJob& job, const Model& model)
+      : job_(job),
         model_(model),
         rest_(make_scene(model)),
         deforms_(any_deforms(model)),
-        options_(picture.options) {
-    options_.budget.maps = !picture.maps.empty();
-    options_.budget.importance.image = read_importance(picture.importance_image);
+        options_(job.options) {
+    options_.budget.maps = !job.maps.empty();
+    options_.budget.importance.image = read_importance(job.importance_image);
   }
 
   // Throws as pose_scene() and make_render_scene() do.
   void set(double time) {
-    if (time_ && (*time_ == time || picture_.animation.empty())) return;
+    if (time_ && (*time_ == time || job_.animation.empty())) return;
     time_ = time;
     scene_ = rest_;
     moment_.time = time;
-    if (!picture_.animation.empty() || deforms_)
-      moment_.animation = pose_scene(model_, picture_.animation, time, scene_);
+    if (!job_.animation.empty() || deforms_)
+      moment_.animation = pose_scene(model_, job_.animation, time, scene_);
     notes_.clear();
-    drawn_ = make_render_scene(model_, scene_, picture_.surfaces, picture_.look, &notes_);
+    drawn_ = make_render_scene(model_, scene_, job_.surfaces, job_.look, &notes_);
     loaded_ = false;
   }
 
@@ -223,7 +223,7 @@ class Stage {
 
   // Null: on the CPU.
   RenderResult draw(const Camera& camera, Renderer* renderer, const Session& session) {
-    if (!picture_.ignore_orders) {
+    if (!job_.ignore_orders) {
       std::vector<std::uint32_t> sequence = drawing_sequence(scene_, camera, moment_);
       loaded_ = loaded_ && sequence == drawn_.draw_order;
       drawn_.draw_order = std::move(sequence);
@@ -232,8 +232,7 @@ class Stage {
     if (!loaded_) renderer->load(drawn_);
     loaded_ = true;
     RenderResult result = renderer->draw(camera, options_, session.progress());
-    if (picture_.frames > 1)
-      time_more_frames(picture_.frames, options_, camera, *renderer, session, result.stats);
+    if (job_.frames > 1) time_more_frames(job_.frames, options_, camera, *renderer, session, result.stats);
     return result;
   }
 
@@ -246,7 +245,7 @@ class Stage {
   }
 
  private:
-  const CapturePicture& picture_;
+  const CaptureJob& job_;
   const Model& model_;
   Scene rest_, scene_;
   RenderScene drawn_;
@@ -260,48 +259,47 @@ class Stage {
 
 }  // namespace
 
-void render_capture(const CapturePicture& picture, Session& session) {
+void render_capture(const CaptureJob& job, Session& session) {
   const Stopwatch watch;
-  const bool reference = picture.options.technique == kReference;
-  if (!picture.maps.empty()) check_maps(picture.options.technique);
-  if (wants_fragments(picture)) check_deep(picture);
+  const bool reference = job.options.technique == kReference;
+  if (wants_fragments(job)) check_deep(job);
   // A device that is not there is told before a large file is read.
   std::optional<Renderer> renderer;
-  if (!reference) renderer.emplace(picture.device);
-  const std::vector<Shot> shots = shots_of(picture);
+  if (!reference) renderer.emplace(job.device);
+  const std::vector<Shot> shots = shots_of(job);
   for (const Shot& shot : shots)
     if (!is_file_camera(shot.camera)) parse_camera(shot.camera);
-  const Model model = read_model(picture.input);
+  const Model model = read_model(job.input);
   const std::string device = reference ? std::string(kReference) : renderer->info().name;
-  Stage stage(picture, model);
+  Stage stage(job, model);
   std::vector<Taken> taken;
   for (const Shot& shot : shots) {
-    const double time = shot.time.value_or(picture.time);
+    const double time = shot.time.value_or(job.time);
     stage.set(time);
     if (taken.empty())
       for (const std::string& note : stage.notes()) session.note(note);
     stop_if_signalled();
-    const Camera camera = camera_from(shot.camera, model, stage.scene(), picture.width, picture.height);
+    const Camera camera = camera_from(shot.camera, model, stage.scene(), job.width, job.height);
     const RenderResult result = stage.draw(camera, renderer ? &*renderer : nullptr, session);
     stop_if_signalled();
     const auto numbered = [&, number = taken.size() + 1](const std::string& name) {
-      return picture.shots.empty() ? name : numbered_output(name, number, shots.size());
+      return job.shots.empty() ? name : numbered_output(name, number, shots.size());
     };
-    const std::string output = numbered(picture.output);
+    const std::string output = numbered(job.output);
     write_png(to_image(result), output);
-    if (!picture.maps.empty()) write_maps(result, picture.options.samples, numbered(picture.maps));
+    if (!job.maps.empty()) write_maps(result, job.options.samples, numbered(job.maps));
     taken.push_back({output, shot.camera, time, result.stats, {}});
-    print_result(picture, device, taken.back(), session);
-    if (wants_fragments(picture)) {
+    print_result(job, device, taken.back(), session);
+    if (wants_fragments(job)) {
       const DeepImage deep = stage.draw_deep(camera, renderer ? &*renderer : nullptr, session);
-      if (!picture.deep.empty()) write_deep_exr(deep, numbered(picture.deep));
-      session.print(pixel_tables(picture, deep));
-      taken.back().pixels = pixels_json(picture, deep);
+      if (!job.deep.empty()) write_deep_exr(deep, numbered(job.deep));
+      session.print(pixel_tables(job, deep));
+      taken.back().pixels = pixels_json(job, deep);
     }
   }
   if (renderer)
     for (const std::string& message : renderer->validation_messages()) session.note(message);
-  session.write_json(to_json(picture, device, taken, stage.scene().mesh.triangles.size(), watch.seconds())
+  session.write_json(to_json(job, device, taken, stage.scene().mesh.triangles.size(), watch.seconds())
                          .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
                      "\n");
 }

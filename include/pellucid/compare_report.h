@@ -121,7 +121,7 @@ struct CompareReport {
   DeviceInfo device;
   std::string effect, surfaces;
   std::uint32_t k = 8, frames = 1;
-  std::uint64_t memory = 0;  // RenderOptions::memory
+  std::uint64_t memory = 0;  // BudgetOptions::bytes
   std::vector<ComparedScene> scenes;
   std::vector<ComparedSweep> sweeps;
   double seconds_total = 0;

@@ -1,4 +1,4 @@
-// A image while it is drawn: see frame.h.
+// Pipelines, memory and passes of a frame, and what shaders know of it.
 #include "render/frame.h"
 
 #include <fmt/format.h>

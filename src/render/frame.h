@@ -1,4 +1,5 @@
-// frame.h - one image, or a band of it, while it is drawn: what techniques find there and may ask for.
+// frame.h - an image, or a band of it, while it is drawn: what was counted of it, the pipelines, and the
+// memory and passes that techniques may ask for.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// options.h - what the library's own code asks of options: their ranges, and what their values mean. It does
-// not need Vulkan, unlike checks.h.
+// options.h - checks of options that need no device, and what effects have in common. The reference on the
+// CPU uses them as well as the renderer.
 #pragma once
 
 #include <cstddef>

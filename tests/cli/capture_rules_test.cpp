@@ -134,9 +134,9 @@ TEST(CaptureRules, CompareRefusesWhatNoneOfTheTechniquesUses) {
                 without_effect({"--csg", "union"}, "only --effect csg")});
   by("sb,ll", {without_effect({"--cull"}, "the chosen techniques do not use it")});
   by("cpu", {without_effect({"--ignore-orders"}, "technique cpu")});
-  expect_refused({"compare", "-o", folder.file("r.html"), "--sweep", "depth"},
-                 {without_effect({"--reference", "cpu"}, "no model"),
-                  without_effect({"--flicker", "2"}, "no model")});
+  expect_refused(
+      {"compare", "-o", folder.file("r.html"), "--sweep", "depth"},
+      {without_effect({"--reference", "cpu"}, "no model"), without_effect({"--flicker", "2"}, "no model")});
   EXPECT_TRUE(folder.files().empty());
 }
 

@@ -1,4 +1,4 @@
-// The choice of `auto`: see automatic.h.
+// The choice of `auto`, and the history of draw orders that it goes by.
 #include "render/capture/automatic.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
-// automatic.h - which technique `auto` takes for a frame, by what was counted of it and of the frames before.
+// automatic.h - chooses the technique that `auto` takes for a frame, from counts of this frame and of the
+// frames before. Times have no part in it, so the same frames are drawn the same way on every run.
 //
-// Everything it goes by is a count, no time: the same frames are drawn the same way on every run. What it
-// chooses between, and where the limits are from: docs/rendering.md, section 3.
+// docs/rendering.md, section 3, says what it chooses between, and where the limits are from.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace pellucid::render {
 
-// Chains of so many slots are slower than rounds.
+// Chains of more slots than this are slower than rounds.
 constexpr std::uint64_t kMostChained = 64;
-// After so many frames that captured everything, the draw order is tried again.
+// Number of frames that capture everything until the draw order is tried again.
 constexpr std::uint32_t kFramesUntilTrial = 16;
 
 // What became of a draw order that was verified: shares of the covered pixels, and of the
@@ -62,7 +62,7 @@ class DrawOrderHistory {
 // may be taken would refuse.
 RenderOptions automatic_options(const RenderOptions& options);
 
-// How `auto` is listed.
+// Returns how `auto` is listed.
 TechniqueEntry automatic();
 
 // Of a frame that was counted.

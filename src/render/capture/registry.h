@@ -50,8 +50,8 @@ namespace pellucid::render {
 PELLUCID_TECHNIQUES(PELLUCID_DECLARE)
 #undef PELLUCID_DECLARE
 
-// Not on the list: what techniques that store in a pool turn to when RenderOptions::pool has too few nodes
-// (buffers/nearest_rounds.cpp). It needs 64-bit atomics.
+// Not on the list: what techniques that store in a pool turn to when the pool has too few nodes for the
+// fragments (buffers/nearest_rounds.cpp). It needs 64-bit atomics.
 std::unique_ptr<Technique> nearest_rounds_in_pool(Overflow overflow);
 
 }  // namespace pellucid::render

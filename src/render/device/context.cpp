@@ -1,4 +1,4 @@
-// Instance, device, queue: see context.h.
+// Choice of a device, its features, submission, and messages of validation.
 #include "render/device/context.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
-// context.h - the Vulkan instance, one device and one queue: headless, chosen by name, validated on demand.
+// context.h - the Vulkan instance, one device and one queue, without a window; validated on demand.
 //
-// A real GPU is taken where there is one, else the CPU driver. Everything is submitted through `submit`,
-// which waits: one command buffer per piece of work, so that synchronisation validation sees all of its
-// hazards.
+// A GPU is taken where there is one, else a driver that runs on the CPU. Everything is submitted through
+// `submit`, which waits: one command buffer per piece of work, so that synchronisation validation sees all of
+// its hazards.
 #pragma once
 
 #include <vulkan/vulkan.h>

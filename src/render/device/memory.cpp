@@ -1,4 +1,4 @@
-// Buffers and images: see memory.h.
+// Allocation of buffers and images, and copies through staging buffers.
 #include "render/device/memory.h"
 
 #include <fmt/format.h>

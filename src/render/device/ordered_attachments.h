@@ -1,6 +1,6 @@
 // ordered_attachments.h - colour attachments that fragment shaders read back: fragments of a pixel come one
-// after the other, in draw order (VK_EXT_rasterization_order_attachment_access), which needs a
-// render pass of the older kind and input attachments.
+// after the other, in draw order (VK_EXT_rasterization_order_attachment_access). This needs a render pass of
+// the older kind and input attachments.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ constexpr std::uint32_t ordered_attachments_for(std::uint32_t k) {
   return (3 * k + 3) / 4;
 }
 
-// What all passes with so many of them share; set 0 is that of all other passes.
+// What all passes with the same number of attachments share; set 0 is that of all other passes.
 class OrderedLayout {
  public:
   OrderedLayout(Context& context, std::uint32_t attachments);

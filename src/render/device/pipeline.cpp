@@ -1,4 +1,4 @@
-// Pipelines: see pipeline.h.
+// Pipelines from specifications: blending, depth, stencil and specialisation constants.
 #include "render/device/pipeline.h"
 
 #include <cassert>

@@ -1,4 +1,4 @@
-// pipeline.h - graphics and compute pipelines from embedded shaders, specialised by constants.
+// pipeline.h - makes graphics and compute pipelines from embedded shaders, specialised by constants.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@
 
 namespace pellucid::render {
 
-// SPIR-V of a shader of shaders/, by its name there ("capture/count.frag"); made at build time.
+// Returns the SPIR-V of a shader by its path below shaders/ ("capture/count.frag"), with the suffix of its
+// form (cmake/PellucidShaders.cmake). It is compiled at build time.
 std::span<const std::uint32_t> shader_code(std::string_view name);
 std::span<const std::string_view> shader_names();
 

@@ -1,4 +1,4 @@
-// Recording: see recorder.h.
+// Commands: passes over the scene, kernels, descriptors, barriers and timestamps.
 #include "render/device/recorder.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 
 // Vulkan's standard places of four samples in a pixel, as in shaders/scene/samples.glsl. Samples are
 // drawn as images of their own: what is kept in attachments of integers, or by stencils, has them as well,
-// which multisampled images on lavapipe have not.
+// which multisampled images on lavapipe do not have.
 constexpr std::array<std::array<float, 2>, 4> kSamplePlaces{
     {{0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}}};
 

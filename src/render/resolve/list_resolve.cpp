@@ -1,4 +1,4 @@
-// Resolve of stored fragments: see list_resolve.h.
+// Sorting and folding of stored lists by classes of tiles.
 #include "render/resolve/list_resolve.h"
 
 #include <array>

@@ -1,4 +1,4 @@
-// What a frame left on the device: see read_back.h.
+// Copies of colours and fragments from the device into a RenderResult.
 #include "render/resolve/read_back.h"
 
 #include <array>

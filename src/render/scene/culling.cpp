@@ -1,4 +1,4 @@
-// Culling: see culling.h.
+// Boxes of groups of triangles, and the queries that cull them.
 #include "render/scene/culling.h"
 
 #include <array>

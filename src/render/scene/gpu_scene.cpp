@@ -1,4 +1,4 @@
-// A scene on the device: see gpu_scene.h.
+// Checks a scene, sorts its triangles for drawing and copies it to the device.
 #include "render/scene/gpu_scene.h"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
-// gpu_scene.h - a RenderScene on the device.
+// gpu_scene.h - copies a RenderScene to the device. Triangles go in, buffers and the ranges to draw come out.
 //
 // Triangles are rotated so that their smallest corner comes first: two that coincide then get the same depths
-// to the bit, however their corners were listed. Translucent ones come first, of these the ones that show
-// both sides; opaque ones follow from the last to the first, so that of several at one depth the one of the
-// smallest id is drawn over the others.
+// to the bit, however their corners were listed. Translucent triangles come first, among them the
+// double-sided ones before the others. Opaque ones follow from the last to the first, so that of several at
+// one depth the one of the smallest id is drawn over the others.
 #pragma once
 
 #include <array>

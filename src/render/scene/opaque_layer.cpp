@@ -1,4 +1,4 @@
-// Opaque surfaces: see opaque_layer.h.
+// The pass over opaque surfaces.
 #include "render/scene/opaque_layer.h"
 
 namespace pellucid::render {

@@ -1,4 +1,4 @@
-// Surfaces at fragments: see surface_sampler.h.
+// Colour and opacity at a fragment: perspective weights, wrapped and filtered texels.
 #include "render/scene/surface_sampler.h"
 
 #include <algorithm>

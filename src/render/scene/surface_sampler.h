@@ -1,5 +1,6 @@
-// surface_sampler.h - for the reference: colour and opacity of a surface at a fragment, by vertex colours and
-// textures. Sampled on its own, in double precision; only the texels are those of the device.
+// surface_sampler.h - returns colour and opacity of a surface at a fragment, from vertex colours and
+// textures, for the reference on the CPU. It samples in double precision by code of its own; only the texels
+// are those of the device.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ class SurfaceSampler {
  public:
   // Keeps references.
   SurfaceSampler(const RenderScene& scene, const Camera& camera);
-  // Empty where the fragment is cut out.
+  // Returns nothing where the fragment is cut out.
   [[nodiscard]] std::optional<SurfaceLook> look_at(std::uint64_t pixel, NodeId node) const;
 
  private:
@@ -24,7 +25,7 @@ class SurfaceSampler {
   using Place = std::array<double, 2>;  // texture coordinates, or pixels
   using Weights = std::array<double, 3>;
 
-  // Of a triangle's corners, where the ray through a point of the image meets its plane.
+  // Returns the weights of a triangle's corners where the ray through a point of the image meets its plane.
   [[nodiscard]] Weights weights_at(const Place& point, const Triangle& triangle) const;
   [[nodiscard]] Place texcoord_at(const Place& point, const Triangle& triangle) const;
   [[nodiscard]] Color vertex_color(const Place& point, const Triangle& triangle) const;

@@ -1,4 +1,4 @@
-// Textures in levels: see texture_levels.h.
+// Halving of textures, and the limit of what they take on the device.
 #include "render/scene/texture_levels.h"
 
 #include <algorithm>

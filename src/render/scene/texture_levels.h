@@ -1,5 +1,5 @@
-// texture_levels.h - textures as they are sampled, on the device and by the reference: halved again and
-// again, in linear colours.
+// texture_levels.h - makes the smaller levels of textures, by halving them in linear colours. The device and
+// the reference on the CPU sample the same levels.
 #pragma once
 
 #include <cstdint>

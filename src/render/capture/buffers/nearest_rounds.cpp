@@ -67,7 +67,7 @@ std::uint32_t fewest_rounds(std::span<const std::uint32_t> counts, std::uint64_t
   return low;
 }
 
-// `share_of`: places of a pixel of so many fragments.
+// `share_of` returns the places of a pixel from its number of fragments.
 template <class ShareOf>
 PoolShares make_shares(std::span<const std::uint32_t> counts, const ShareOf& share_of) {
   PoolShares shares;

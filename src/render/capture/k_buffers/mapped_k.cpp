@@ -1,8 +1,9 @@
-// As many slots as a pixel has fragments, or the same for all that have more (k-plus), or as many as a
-// pixel's importance says (variable-k), in places that a survey gives out. Fragments get there through a
-// chain of 64-bit atomic minima, or in critical sections behind the farthest that is kept (Sync). Vasilakis,
-// Vardis, Papaioannou, Moustakas, "Variable k-buffer using Importance Maps", Eurographics 2017; Vasilakis,
-// Papaioannou, Fudos, "k+-buffer: An Efficient, Memory-Friendly and Dynamic k-buffer Framework", TVCG 2015.
+// k-plus gives every pixel a slot for each fragment, up to a k that is the same for all; variable-k gives out
+// slots by the importance of pixels. A survey of the fragments decides which slots of the pool a pixel gets.
+// Fragments get there through a chain of 64-bit atomic minima, or in critical sections behind the farthest
+// that is kept (Sync). Vasilakis, Vardis, Papaioannou, Moustakas, "Variable k-buffer using Importance Maps",
+// Eurographics 2017; Vasilakis, Papaioannou, Fudos, "k+-buffer: An Efficient, Memory-Friendly and Dynamic
+// k-buffer Framework", TVCG 2015.
 #include <fmt/format.h>
 
 #include <limits>

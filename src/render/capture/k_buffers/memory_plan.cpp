@@ -1,4 +1,4 @@
-// What fits into a memory budget: see memory_plan.h.
+// What fits into a memory budget.
 #include "render/capture/k_buffers/memory_plan.h"
 
 #include <fmt/format.h>

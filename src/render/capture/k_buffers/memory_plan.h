@@ -1,4 +1,5 @@
-// memory_plan.h - what fits into a memory budget.
+// memory_plan.h - computes what fits into a memory budget: slots of 8 bytes for fragments, maps to them, and
+// tails.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ std::uint64_t uniform_slots(const BudgetDemand& demand, std::uint64_t tail_slots
 
 // Places of different sizes, with a map to them.
 struct MappedPlan {
-  std::uint64_t slots = 0;  // to give out; 0: not every covered pixel gets one
+  std::uint64_t slots = 0;  // for all pixels; 0: not every covered pixel gets one
   std::uint64_t pool_bytes = 0, map_bytes = 0, state_bytes = 0;
 };
 // `survey_words`: of a pixel, which share the pool's memory before fragments do; `other_bytes`: taken

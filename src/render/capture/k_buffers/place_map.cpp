@@ -1,4 +1,4 @@
-// Who gets how many slots: see place_map.h.
+// The kernels that survey, weigh and number places.
 #include "render/capture/k_buffers/place_map.h"
 
 #include <algorithm>

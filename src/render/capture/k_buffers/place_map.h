@@ -1,5 +1,5 @@
-// place_map.h - which pixel gets how many slots of a pool, and where: survey, importance, places
-// (shaders/capture/k_buffers).
+// place_map.h - decides how many slots of a pool each pixel gets, and where they lie: a survey counts
+// fragments, their importance is computed, and places are numbered (shaders/capture/k_buffers).
 #pragma once
 
 #include "render/capture/k_buffers/memory_plan.h"
@@ -31,7 +31,7 @@ class PlaceMap {
   // `given`: bytes that the terms `image` and `residue` look at. Afterwards places are in slot B.
   void record(const Frame& frame, Recorder& recorder, const Buffer& pool, const Buffer& given) const;
   // Waits for the device. Words of shaders/capture/k_buffers/places.glsl; importance where
-  // RenderOptions::maps asks for it.
+  // BudgetOptions::maps asks for it.
   [[nodiscard]] std::vector<std::uint32_t> places(const Frame& frame) const;
   [[nodiscard]] std::vector<float> importance(const Frame& frame) const;
 

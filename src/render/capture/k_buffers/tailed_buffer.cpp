@@ -1,4 +1,4 @@
-// What techniques with a budget share: see tailed_buffer.h.
+// What techniques with a tail share: places or block tails, and the report of k.
 #include "render/capture/k_buffers/tailed_buffer.h"
 
 #include <bit>

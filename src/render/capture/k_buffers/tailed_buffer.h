@@ -1,5 +1,5 @@
-// tailed_buffer.h - the nearest fragments of every pixel in a given number of bytes, and one layer behind
-// them for the others: what all techniques that do this share.
+// tailed_buffer.h - keeps the nearest fragments of every pixel within a memory budget, and one translucent
+// layer behind them for the others, the tail. It is what fixed-k, hybrid, k-plus and variable-k share.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace pellucid::render {
 
-// The range of sums of so many fragments: range_of() of shaders/capture/k_buffers/tail.glsl.
+// Returns the range of sums of this number of fragments: range_of() of shaders/capture/k_buffers/tail.glsl.
 std::uint32_t tail_range(std::uint64_t fragments);
 
 class BlockTails {

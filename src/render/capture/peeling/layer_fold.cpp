@@ -1,4 +1,4 @@
-// Fold of peeled layers: see layer_fold.h.
+// Storage of layers, and the kernels that fold them.
 #include "render/capture/peeling/layer_fold.h"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
-// layer_fold.h - what a round of peeling stores of a pixel's layer, and the fold of it into the pixel's
-// state.
+// layer_fold.h - stores what a round of peeling finds in the layer of every pixel, and folds it into the
+// pixel's state. All techniques that peel share it; they differ in how they find layers.
 //
-// All compare depths that come the same way: what the depth test left with gl_FragCoord.z, or, where there is
-// none, bits of gl_FragCoord.z with such bits in a buffer. A pixel without a further layer is known by what a
-// round did not deliver, never by a depth: 1 is one like any other.
+// All compare depths that come the same way: what the depth test left with gl_FragCoord.z, or, without depth
+// test, bits of gl_FragCoord.z with such bits in a buffer. A pixel without a further layer is known by what a
+// round did not deliver, never by a depth: 1 is a depth like any other.
 #pragma once
 
 #include <string>
@@ -33,16 +33,16 @@ class LayerFold {
 
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const;
   void allocate(Frame& frame);
-  // Empties everything; once, before the first round.
+  // Empties everything, once, before the first round.
   void clear(Recorder& recorder) const;
-  // At the begin of a round: binds what its passes store to.
+  // Begins a round: binds what its passes store to.
   void begin_round(Frame& frame, Recorder& recorder, std::uint32_t round) const;
-  // Constants of its geometry passes, for storage of pairs: `pass` 0 takes ids, 1 colours.
+  // Returns the constants of its geometry passes. For storage of pairs, `pass` 0 takes ids, 1 colours.
   [[nodiscard]] Constants constants(const Frame& frame, std::uint32_t pass = 0) const;
-  // "pairs_2": the end of the names of shaders for this form.
+  // Returns the end of the names of shaders for this form: "pairs_2".
   [[nodiscard]] std::string shader_suffix() const;
   void fold(Frame& frame, Recorder& recorder) const;
-  // After the last round: the image.
+  // Writes the image after the last round.
   void finish(Frame& frame, Recorder& recorder) const;
 
  private:

@@ -171,7 +171,7 @@ void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOp
 
 // Returns what it drew and where it differs, if that is visible.
 std::vector<ReportImage> images_of(const std::string& name, const Image& exact, const RenderResult& drawn,
-                                       const ImageError& error) {
+                                   const ImageError& error) {
   if (error.differing == 0) return {};
   const Image image = to_image(drawn);
   return {{name, encode_png(image)},

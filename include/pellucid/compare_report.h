@@ -30,7 +30,7 @@ struct NamedMap {
   std::string words, unit;  // "fragments lost to the tail", "fragments"
   double most = 0;          // what the darkest colour stands for
 };
-// Returns importance, k and loss of a result drawn with RenderOptions::maps; nothing without maps.
+// Returns importance, k and loss of a result drawn with BudgetOptions::maps; nothing without maps.
 std::vector<NamedMap> budget_heat_maps(const RenderResult& result, std::uint32_t samples);
 // Returns the number of fragments, and of fragments that share their depth with another one, of a result
 // drawn with RenderOptions::keep_fragments; nothing without fragments.

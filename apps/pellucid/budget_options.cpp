@@ -1,4 +1,4 @@
-// Options of techniques with a budget of bytes: see budget_options.h.
+// Options of techniques with a pool or a memory budget: see budget_options.h.
 #include "budget_options.h"
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include <functional>
 #include <sstream>
 
+#include "capture_options.h"
 #include "choice.h"
 #include "pellucid/asset.h"
 #include "pellucid/compare_report.h"
@@ -57,6 +58,11 @@ void parse_focus(const std::string& text, ImportanceOptions& options) {
   }
 }
 
+// CLI::Range lets NaN pass.
+std::string is_a_number(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is not a number" : "";
+}
+
 }  // namespace
 
 // Luma, not luminance: what is twice as bright in linear light is not twice as important.
@@ -73,8 +79,8 @@ ImportanceImage read_importance(const std::string& path) {
 }
 
 void add_budget_options(CLI::App& command, RenderOptions& options, std::string& image) {
-  ImportanceOptions& importance = options.importance;
-  // What `parse` refuses is told as CLI11 tells it.
+  ImportanceOptions& importance = options.budget.importance;
+  // What `parse` refuses is reported as CLI11 reports it.
   const auto add = [&](const std::string& name, const std::string& type, const std::string& description,
                        std::function<void(const std::string&)> parse) {
     command
@@ -88,29 +94,40 @@ void add_budget_options(CLI::App& command, RenderOptions& options, std::string& 
               }
             },
             description)
-        ->type_name(type);
+        ->type_name(type)
+        ->group(kBudgetGroup);
   };
-  add("--memory", "BYTES",
-      "Bytes that techniques with a budget may take: 35MB, 20MiB (default: fixed-k, k-plus and variable-k 32 "
-      "a pixel, bounded 64, hybrid and multikb what --k takes, auto any)",
-      [&](const std::string& text) { options.memory = parse_bytes("--memory", text); });
   command
-      .add_option("--heap-from", options.heap_from,
-                  "k-plus and variable-k by interlock or spinlock: slots from which a pixel has a heap")
-      ->check(CLI::Range(1, 1000000))
+      .add_option("--pool", options.pool.nodes,
+                  "Nodes of techniques that store in a pool; 0: as many as are needed")
       ->type_name("N")
-      ->capture_default_str();
-  add_choice(command, "--allocation", options.allocation,
+      ->capture_default_str()
+      ->group(kBudgetGroup);
+  add("--device-memory", "BYTES",
+      "Memory budget of techniques that have one: 35MB, 20MiB (default: fixed-k, k-plus and variable-k 32 "
+      "bytes "
+      "a pixel, bounded 64, hybrid and multikb what --k takes, auto any)",
+      [&](const std::string& text) { options.budget.bytes = parse_bytes("--device-memory", text); });
+  refuse_old_option(command, "--memory", "--device-memory");
+  add_choice(
+      command, "--overflow", options.pool.overflow,
+      {{"nearest", Overflow::nearest}, {"exact", Overflow::exact}},
+      "Where these are too small: nearest keeps the nearest, the rest is averaged (default); exact takes "
+      "more rounds")
+      ->group(kBudgetGroup);
+  add_choice(command, "--allocation", options.budget.allocation,
              {{"water", Allocation::water}, {"printed", Allocation::printed}},
-             "variable-k: give out all of it (default), or as printed in the paper");
+             "variable-k: give out all of it (default), or as printed in the paper")
+      ->group(kBudgetGroup);
   add("--importance", "LIST",
       "variable-k: product of opacity, complexity, periphery, fresnel, image, residue: names with commas, or "
       "none (default complexity)",
       [&](const std::string& list) { importance.terms = parse_terms(list); });
   command
       .add_option("--importance-image", image,
-                  "PNG or JPEG for --importance image, stretched over the picture: white is important")
-      ->type_name("FILE");
+                  "PNG or JPEG for --importance image, stretched over the image: white is important")
+      ->type_name("FILE")
+      ->group(kBudgetGroup);
   add("--complexity", "ALPHA,LIMIT",
       "Of --importance complexity: importance of few fragments, number of them at which it is 1 (default "
       "0.9,25)",
@@ -119,12 +136,16 @@ void add_budget_options(CLI::App& command, RenderOptions& options, std::string& 
       [&](const std::string& text) { parse_focus(text, importance); });
   command.add_option("--falloff", importance.falloff, "Exponent of --importance periphery")
       ->check(CLI::Range(0.1, 100.0))
-      ->capture_default_str();
+      ->check(is_a_number)
+      ->capture_default_str()
+      ->group(kBudgetGroup);
   command
       .add_option("--importance-noise", importance.noise,
                   "Noise that is added to importance; 0.1 in the paper")
       ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+      ->check(is_a_number)
+      ->capture_default_str()
+      ->group(kBudgetGroup);
 }
 
 std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
@@ -149,14 +170,6 @@ std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
   }
   throw Error(ErrorKind::bad_argument,
               option + ": '" + text + "' is not a number of bytes, as 35MB or 20MiB");
-}
-
-void check_maps(const std::string& technique) {
-  const auto techniques = render_techniques();
-  if (std::none_of(techniques.begin(), techniques.end(),
-                   [&](const TechniqueInfo& t) { return t.name == technique && t.keeps_tail; })) {
-    throw Error(ErrorKind::bad_argument, "--maps: of --technique fixed-k, hybrid, k-plus or variable-k only");
-  }
 }
 
 void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder) {

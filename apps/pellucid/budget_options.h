@@ -1,4 +1,4 @@
-// Options of techniques with a budget of bytes (pellucid/budget.h).
+// Options of techniques with a pool or a memory budget (pellucid/memory_budget.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,17 +9,17 @@
 
 namespace pellucid::cli {
 
-// --memory, --allocation, --importance and what its terms go by.
-// `image`: the path of --importance-image, which read_importance() reads; nothing where it is empty.
+// Adds --pool, --device-memory, --overflow, --allocation, --importance and the parameters of its terms.
+// `image` receives the path of --importance-image, which read_importance() reads.
 void add_budget_options(CLI::App& command, RenderOptions& options, std::string& image);
+// Returns no bytes for an empty path. Throws as read_picture() does.
 ImportanceImage read_importance(const std::string& path);
 
-// "35MB", "20MiB", "4096": bytes; powers of ten or, with an i, of two. Throws Error{bad_argument}.
+// Parses "35MB", "20MiB" or "4096" as bytes, in powers of ten or, with an i, of two. Throws
+// Error{bad_argument}.
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
 
-// Throws Error{bad_argument} for techniques without maps: before anything is drawn.
-void check_maps(const std::string& technique);
-// importance.png, k.png and loss.png in `folder`, which is made. Throws Error{cannot_write}.
+// Writes importance.png, k.png and loss.png into `folder`, which is made. Throws Error{cannot_write}.
 void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder);
 
 }  // namespace pellucid::cli

@@ -18,17 +18,18 @@ constexpr const char* kExact = "sb";
 // Frames of --flicker are so near to each other that one follows the other.
 constexpr std::uint32_t kFlickerStepsOfATurn = 720;
 
-// Draws by any technique, and takes part in turns with others.
-class Contender {
+// Draws by any technique, by turns with others.
+class ComparedRun {
  public:
-  Contender(const std::string& name, Renderer& renderer, const DrawnScene& drawn,
-            const RenderOptions& options, Session& session)
+  ComparedRun(const std::string& name, Renderer& renderer, const DrawnScene& drawn,
+              const RenderOptions& options, Session& session)
       : renderer_(renderer), drawn_(drawn), options_(options), session_(session) {
     options_.technique = name;
     const auto all = render_techniques();
-    const bool can_cull = std::any_of(all.begin(), all.end(),
-                                      [&](const TechniqueInfo& t) { return t.name == name && t.can_cull; });
-    options_.cull = options.cull && can_cull;
+    options_.peeling.cull =
+        options.peeling.cull && std::any_of(all.begin(), all.end(), [&](const TechniqueInfo& t) {
+          return t.name == name && t.uses(OptionGroup::culling);
+        });
   }
 
   [[nodiscard]] const std::string& failure() const { return failure_; }
@@ -38,9 +39,9 @@ class Contender {
   RenderResult draw_first() {
     RenderResult result;
     try {
-      options_.maps = true;
+      options_.budget.maps = true;
       result = draw();
-      options_.maps = false;
+      options_.budget.maps = false;
       stats_ = result.stats;
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
@@ -81,30 +82,30 @@ class Contender {
   std::vector<CaptureStats> frames_;
 };
 
-std::vector<Contender> contenders(Renderer& renderer, const DrawnScene& drawn,
-                                  const ComparisonOptions& options, Session& session) {
-  std::vector<Contender> all;
+std::vector<ComparedRun> runs_of(Renderer& renderer, const DrawnScene& drawn,
+                                 const ComparisonOptions& options, Session& session) {
+  std::vector<ComparedRun> all;
   for (const std::string& name : options.techniques)
     all.emplace_back(name, renderer, drawn, options.draw, session);
   return all;
 }
 
 // By turns, so that what slows the machine for a while slows all of them.
-void take_turns(std::vector<Contender>& all, std::uint32_t frames) {
+void take_turns(std::vector<ComparedRun>& all, std::uint32_t frames) {
   for (std::uint32_t frame = 1; frame < frames; ++frame) {
-    for (Contender& one : all) one.draw_again();
+    for (ComparedRun& one : all) one.draw_again();
   }
 }
 
 RenderOptions exact_options(const ComparisonOptions& options) {
   RenderOptions exact = options.draw;
   exact.technique = kExact;
-  exact.pool = 0;
-  exact.cull = false;
+  exact.pool.nodes = 0;
+  exact.peeling.cull = false;
   return exact;
 }
 
-// The exact picture, with the fragments of every pixel.
+// Draws the exact image, with the fragments of every pixel.
 RenderResult draw_exact(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                         Session& session, ComparedScene& compared) {
   RenderOptions exact = exact_options(options);
@@ -115,7 +116,7 @@ RenderResult draw_exact(Renderer& renderer, const DrawnScene& drawn, const Compa
       return renderer.draw(drawn.camera, exact, session.progress());
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
-      compared.notes.push_back(fmt::format("the exact picture is the CPU's: {}", error.what()));
+      compared.notes.push_back(fmt::format("the exact image is that of the CPU: {}", error.what()));
     }
   }
   compared.reference = kCpu;
@@ -129,7 +130,7 @@ std::vector<std::uint64_t> pixels_by_depth(const CapturedFragments& fragments, s
   return pixels;
 }
 
-// What the picture of each does while the camera goes round, beside what the exact one does.
+// Measures how much more the image of each technique changes than the exact one while the camera turns.
 void measure_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                      Session& session, ComparedScene& compared) {
   const RenderOptions exact = exact_options(options);
@@ -140,7 +141,7 @@ void measure_flicker(Renderer& renderer, const DrawnScene& drawn, const Comparis
   for (const Camera& camera : drawn.turn) {
     turned.camera = camera;
     const RenderResult expected = renderer.draw(camera, exact, session.progress());
-    std::vector<Contender> all = contenders(renderer, turned, options, session);
+    std::vector<ComparedRun> all = runs_of(renderer, turned, options, session);
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!compared.techniques[i].failure.empty()) continue;
       const RenderResult result = all[i].draw_first();
@@ -166,9 +167,9 @@ void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOp
   }
 }
 
-// What it drew and where it errs, if one can see it.
-std::vector<ReportImage> pictures_of(const std::string& name, const Image& exact, const RenderResult& drawn,
-                                     const ImageError& error) {
+// Returns what it drew and where it differs, if that is visible.
+std::vector<ReportImage> images_of(const std::string& name, const Image& exact, const RenderResult& drawn,
+                                   const ImageError& error) {
   if (error.differing == 0) return {};
   const Image image = to_image(drawn);
   return {{name, encode_png(image)},
@@ -183,7 +184,7 @@ bool has_colors(const Image& image, std::size_t least) {
   return colors.size() >= least;
 }
 
-// Those that there is something to be seen in: with so many colours.
+// Returns the maps that show something: those with at least `least_colors` colours.
 std::vector<ReportMap> report_maps(const std::vector<NamedMap>& maps, std::size_t least_colors) {
   std::vector<ReportMap> all;
   for (const NamedMap& map : maps) {
@@ -265,41 +266,28 @@ DrawnScene varied(const DrawnScene& drawn, SweepKind kind, double value) {
   return drawn;
 }
 
-// All of the scene's, as a technique without a pool counts them.
+// Counts the fragments of the scene by a technique without a pool.
 std::uint64_t count_fragments(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                               Session& session) {
   RenderOptions exact = options.draw;
   exact.technique = kExact;
-  exact.pool = 0;
+  exact.pool.nodes = 0;
   return renderer.draw(drawn.camera, exact, session.progress()).stats.fragments;
 }
 
 }  // namespace
 
-TechniqueInfo technique_info(const std::string& name) {
-  std::string names = kCpu;
-  for (const TechniqueInfo& technique : render_techniques()) {
-    if (technique.name == name) return technique;
-    names.append(", ").append(technique.name);
-  }
-  if (name == kCpu) return cpu_technique();
-  throw Error(ErrorKind::bad_argument,
-              fmt::format("--techniques: there is no '{}'; there are all, exact, {}", name, names));
-}
-
-DrawnScene open_scene(const Model& model, const CapturePicture& picture) {
+DrawnScene open_scene(const Model& model, const CaptureJob& job) {
   const Scene scene = make_scene(model);
-  DrawnScene drawn{
-      model.path,
-      make_render_scene(model, scene, picture.surfaces, picture.look),
-      look_at_sphere(scene.sphere, parse_camera(picture.camera_text), picture.width, picture.height),
-      {}};
-  std::vector<Shot> shots = orbit(picture.camera_text, kFlickerStepsOfATurn);
-  shots.resize(std::min<std::size_t>(shots.size(), picture.flicker));
+  DrawnScene drawn{model.path,
+                   make_render_scene(model, scene, job.surfaces, job.look),
+                   look_at_sphere(scene.sphere, parse_camera(job.camera_text), job.width, job.height),
+                   {}};
+  std::vector<Shot> shots = orbit(job.camera_text, kFlickerStepsOfATurn);
+  shots.resize(std::min<std::size_t>(shots.size(), job.flicker));
   for (const Shot& shot : shots)
-    drawn.turn.push_back(
-        look_at_sphere(scene.sphere, parse_camera(shot.camera), picture.width, picture.height));
-  if (!picture.ignore_orders) drawn.scene.sequence = drawing_order(scene, drawn.camera, {});
+    drawn.turn.push_back(look_at_sphere(scene.sphere, parse_camera(shot.camera), job.width, job.height));
+  if (!job.ignore_orders) drawn.scene.draw_order = drawing_order(scene, drawn.camera, {});
   return drawn;
 }
 
@@ -322,11 +310,11 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
   const Image exact_image = to_image(exact);
   compared.image = {fmt::format("exact, by {}", compared.reference), encode_png(exact_image)};
 
-  std::vector<Contender> all = contenders(renderer, drawn, options, session);
-  for (Contender& one : all) {
+  std::vector<ComparedRun> all = runs_of(renderer, drawn, options, session);
+  for (ComparedRun& one : all) {
     const RenderResult result = one.draw_first();
     const std::string& name = options.techniques[compared.techniques.size()];
-    const TechniqueInfo info = technique_info(name);
+    const TechniqueInfo info = technique_info(name, "--techniques", "");
     ComparedTechnique& row = compared.techniques.emplace_back();
     row.name = name;
     row.title = info.title;
@@ -335,8 +323,8 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.error = image_error(exact.pixels, result.pixels, exact.stats.seen_pixels);
     row.perceived =
         perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.seen_pixels);
-    row.images = pictures_of(name, exact_image, result, *row.error);
-    // The same everywhere, beside the white of no fragments, is not worth a picture.
+    row.images = images_of(name, exact_image, result, *row.error);
+    // The same everywhere, beside the white of no fragments, is not worth an image.
     row.maps = report_maps(budget_heat_maps(result, options.draw.samples), 3);
   }
   take_turns(all, options.frames);
@@ -368,15 +356,15 @@ ComparedSweep sweep(Renderer& renderer, const DrawnScene& drawn, SweepKind kind,
     if (kind == SweepKind::memory) {
       const double fragments = static_cast<double>(count_fragments(renderer, scene, options, session));
       point.pool = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(value * fragments)));
-      at.draw.pool = point.pool;
+      at.draw.pool.nodes = point.pool;
       // As many bytes as `sb` takes for that pool.
-      at.draw.memory = 12 * point.pool +
-                       8 * std::uint64_t{scene.camera.width} * scene.camera.height * options.draw.samples;
+      at.draw.budget.bytes = 12 * point.pool + 8 * std::uint64_t{scene.camera.width} * scene.camera.height *
+                                                   options.draw.samples;
     }
-    std::vector<Contender> all = contenders(renderer, scene, at, session);
-    for (Contender& one : all) one.draw_first();
+    std::vector<ComparedRun> all = runs_of(renderer, scene, at, session);
+    for (ComparedRun& one : all) one.draw_first();
     take_turns(all, options.frames);
-    for (const Contender& one : all)
+    for (const ComparedRun& one : all)
       point.runs.push_back(one.failure().empty() ? std::optional(one.stats()) : std::nullopt);
     result.points.push_back(std::move(point));
   }

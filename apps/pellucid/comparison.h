@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "capture_picture.h"
+#include "capture_job.h"
 #include "pellucid/compare_report.h"
 #include "session.h"
 
@@ -17,11 +17,11 @@ struct DrawnScene {
   Camera camera;
   std::vector<Camera> turn{};  // of --flicker, round the scene, from `camera` on
 };
-DrawnScene open_scene(const Model& model, const CapturePicture& picture);
+DrawnScene open_scene(const Model& model, const CaptureJob& job);
 
 struct ComparisonOptions {
   std::vector<std::string> techniques;
-  bool cpu_reference = false;  // the exact picture is that of the CPU, not of `sb`
+  bool cpu_reference = false;  // the exact image is that of the CPU, not of `sb`
   std::uint32_t frames = 6;    // the first of which is not timed, if there are several
   RenderOptions draw;          // all but the technique
 };
@@ -32,8 +32,5 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
 
 ComparedSweep sweep(Renderer& renderer, const DrawnScene& drawn, SweepKind kind,
                     const ComparisonOptions& options, Session& session);
-
-// What the technique `name` is; of "cpu", too. Throws Error{bad_argument} where there is none.
-TechniqueInfo technique_info(const std::string& name);
 
 }  // namespace pellucid::cli

@@ -1,4 +1,4 @@
-// All fragments of a picture: see deep_pixels.h.
+// All fragments of an image: see deep_pixels.h.
 #include "deep_pixels.h"
 
 #include <fmt/format.h>
@@ -21,15 +21,15 @@ bool read_whole(std::string_view text, std::uint32_t& number) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-Pixel parse_pixel(const std::string& text, const CapturePicture& picture) {
+Pixel parse_pixel(const std::string& text, const CaptureJob& job) {
   Pixel pixel;
   const std::size_t comma = std::min(text.find(','), text.size());
   const bool read = read_whole(std::string_view(text).substr(0, comma), pixel.x) && comma < text.size() &&
                     read_whole(std::string_view(text).substr(comma + 1), pixel.y);
-  if (!read || pixel.x >= picture.width || pixel.y >= picture.height) {
+  if (!read || pixel.x >= job.width || pixel.y >= job.height) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--pixel: '{}' is not X,Y of a pixel of {}x{}, counted from the upper left", text,
-                            picture.width, picture.height));
+                            job.width, job.height));
   }
   return pixel;
 }
@@ -49,34 +49,34 @@ bool delivers_all(const std::string& technique) {
 
 }  // namespace
 
-void check_deep(const CapturePicture& picture) {
-  if (!picture.deep.empty() && !can_write_deep_exr()) {
+void check_deep(const CaptureJob& job) {
+  if (!job.deep.empty() && !can_write_deep_exr()) {
     throw Error(ErrorKind::bad_argument,
                 "--deep: this build of pellucid cannot write OpenEXR (PELLUCID_OPENEXR is off)");
   }
-  if (!delivers_all(picture.options.technique)) {
+  if (!delivers_all(job.options.technique)) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("--deep and --pixel want all fragments, which --technique {} does not deliver: "
                             "take cpu, sb or another exact one",
-                            picture.options.technique));
+                            job.options.technique));
   }
-  if (picture.options.samples != 1)
+  if (job.options.samples != 1)
     throw Error(ErrorKind::bad_argument, "--deep and --pixel: one sample a pixel");
-  for (const std::string& pixel : picture.pixels) parse_pixel(pixel, picture);
+  for (const std::string& pixel : job.pixels) parse_pixel(pixel, job);
 }
 
 RenderOptions deep_options(const RenderOptions& options) {
   RenderOptions deep = options;
   deep.effect = Effect::complexity;
   deep.keep_fragments = true;
-  deep.overflow = Overflow::exact;
+  deep.pool.overflow = Overflow::exact;
   return deep;
 }
 
-std::string pixel_tables(const CapturePicture& picture, const DeepImage& deep) {
+std::string pixel_tables(const CaptureJob& job, const DeepImage& deep) {
   std::string text;
-  for (const std::string& name : picture.pixels) {
-    const Pixel pixel = parse_pixel(name, picture);
+  for (const std::string& name : job.pixels) {
+    const Pixel pixel = parse_pixel(name, job);
     const auto fragments = deep.at(pixel.x, pixel.y);
     text += fmt::format("pixel {},{}: {} fragments\n", pixel.x, pixel.y, format_count(fragments.size()));
     if (fragments.empty()) continue;
@@ -90,10 +90,10 @@ std::string pixel_tables(const CapturePicture& picture, const DeepImage& deep) {
   return text;
 }
 
-nlohmann::ordered_json pixels_json(const CapturePicture& picture, const DeepImage& deep) {
+nlohmann::ordered_json pixels_json(const CaptureJob& job, const DeepImage& deep) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const std::string& name : picture.pixels) {
-    const Pixel pixel = parse_pixel(name, picture);
+  for (const std::string& name : job.pixels) {
+    const Pixel pixel = parse_pixel(name, job);
     nlohmann::ordered_json fragments = nlohmann::ordered_json::array();
     for (const DeepFragment& f : deep.at(pixel.x, pixel.y)) {
       fragments.push_back({{"distance", f.distance},

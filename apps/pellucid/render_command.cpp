@@ -1,5 +1,5 @@
-// pellucid render: one picture of a file: its fragments captured by a technique and folded by an effect, or
-// drawn as one of its orders draws it.
+// pellucid render: draws an image of a file: its fragments are captured by a technique and folded by an
+// effect, or blended in one of its draw orders.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "camera_options.h"
+#include "capture_job.h"
 #include "capture_options.h"
-#include "capture_picture.h"
 #include "choice.h"
 #include "deep_pixels.h"
 #include "pellucid/asset.h"
@@ -20,24 +20,25 @@
 namespace pellucid::cli {
 namespace {
 
-enum class OrderPicture { exact, buffers, original, centroid, error };
+enum class OrderImage { exact, buffers, original, centroid, error };
 
 struct RenderCommand {
+  const CLI::App* command = nullptr;
   std::string input, output;
   std::string technique = "cpu";
-  OrderPicture picture = OrderPicture::exact;
-  std::string picture_name = "exact";
+  OrderImage order = OrderImage::exact;
+  std::string order_name = "exact";
   std::string camera = "30,20,3";
-  std::uint32_t orbit = 0;  // pictures round the scene; 0: one
-  std::string path;         // cameras of several pictures
+  std::uint32_t orbit = 0;  // number of images around the scene; 0: one image
+  std::string path;         // file with the cameras of several images
   std::string size = "1280x720";
   ShadingOptions shading;
-  CapturePicture capture;
+  CaptureJob capture;
 };
 
-SceneOrder draw_order(OrderPicture picture) {
-  if (picture == OrderPicture::original) return SceneOrder::original;
-  return picture == OrderPicture::centroid ? SceneOrder::centroid : SceneOrder::buffers;
+SceneOrder draw_order(OrderImage image) {
+  if (image == OrderImage::original) return SceneOrder::original;
+  return image == OrderImage::centroid ? SceneOrder::centroid : SceneOrder::buffers;
 }
 
 void require_orders(const Scene& scene, const std::string& path) {
@@ -47,56 +48,81 @@ void require_orders(const Scene& scene, const std::string& path) {
   throw Error(ErrorKind::nothing_to_do, path + ": there are no orders in it: run pellucid order first");
 }
 
-// Orders are judged on the CPU, by surfaces that all look the same.
-bool draws_orders(const RenderCommand& options) {
-  return options.technique == "cpu" && options.capture.options.effect == Effect::transparency &&
-         options.capture.surfaces == Surfaces::uniform && options.capture.animation.empty() &&
-         !is_file_camera(options.camera) && options.orbit == 0 && options.path.empty() &&
-         options.capture.maps.empty() && !wants_fragments(options.capture) &&
-         options.capture.options.samples == 1 && !options.capture.options.cull;
+// Returns the option that asks for more than orders can be drawn with, which is on the CPU, by surfaces that
+// all look the same; empty: there is none.
+std::string capture_option(const RenderCommand& options) {
+  const CaptureJob& capture = options.capture;
+  if (options.technique != cpu_technique().name) return "--technique " + options.technique;
+  if (capture.options.effect != Effect::transparency)
+    return "--effect " + render_effects()[static_cast<std::size_t>(capture.options.effect)].name;
+  if (capture.surfaces != Surfaces::uniform) return "--surfaces file";
+  if (!capture.animation.empty()) return "--animation";
+  if (is_file_camera(options.camera)) return "--camera file:";
+  if (options.orbit != 0) return "--orbit";
+  if (!options.path.empty()) return "--path";
+  if (!capture.deep.empty()) return "--deep";
+  if (!capture.pixels.empty()) return "--pixel";
+  return capture.options.samples != 1 ? "--samples" : "";
+}
+
+void refuse_options_without_effect(const RenderCommand& options) {
+  const CaptureJob& capture = options.capture;
+  const TechniqueInfo technique = technique_info(options.technique, "--technique", "");
+  refuse_capture_options_without_effect(*options.command, capture, {technique});
+  const bool on_device = technique.name != cpu_technique().name;
+  const std::string no_device = "technique cpu draws without a device";
+  const std::string captured = capture_option(options);
+  const std::string judged = captured +
+                             " is given: orders and shading by depth are drawn by technique cpu, as one "
+                             "transparent image of uniform surfaces";
+  const Effect effect = capture.options.effect;
+  const bool shows_surfaces =
+      effect == Effect::transparency || effect == Effect::wireframe || effect == Effect::csg;
+  refuse_without_effect(
+      *options.command,
+      {needs("--frames", on_device, "technique cpu is not timed"), needs("--device", on_device, no_device),
+       needs("--validation-layers", on_device, no_device),
+       needs("--maps", technique.uses(OptionGroup::maps),
+             "technique " + technique.name + " does not use it; fixed-k, hybrid, k-plus and variable-k do"),
+       needs("--order", captured.empty() || options.order == OrderImage::exact, judged),
+       needs("--shading", captured.empty() || options.shading.shading == Shading::lit, judged),
+       needs("--time", !capture.animation.empty(), "there is no --animation"),
+       needs("--camera", options.path.empty(), "the cameras are those of --path"),
+       needs("--alpha", shows_surfaces || wants_fragments(capture), "the effect does not show surfaces")});
 }
 
 void run_capture(const RenderCommand& options, Session& session) {
-  if (options.picture != OrderPicture::exact) {
-    throw Error(ErrorKind::bad_argument, "--order " + options.picture_name +
-                                             " is drawn with --technique cpu, --effect transparency and "
-                                             "--surfaces uniform, one picture without --animation and "
-                                             "--camera file:");
-  }
-  if (options.shading.shading != Shading::lit) {
-    throw Error(ErrorKind::bad_argument,
-                "--shading depth is drawn with --technique cpu and --effect transparency");
-  }
   if (!std::isfinite(options.capture.time))
     throw Error(ErrorKind::bad_argument, "--time: not a number of seconds");
   const Size size = parse_size(options.size);
-  CapturePicture picture = options.capture;
-  picture.input = options.input;
-  picture.output = options.output;
-  picture.camera_text = options.camera;
-  if (options.orbit > 0) picture.shots = orbit(options.camera, options.orbit);
-  if (!options.path.empty()) picture.shots = read_camera_path(options.path);
-  const bool timed = std::any_of(picture.shots.begin(), picture.shots.end(),
-                                 [](const Shot& shot) { return shot.time.has_value(); });
-  if (timed && picture.animation.empty())
+  CaptureJob job = options.capture;
+  job.input = options.input;
+  job.output = options.output;
+  job.camera_text = options.camera;
+  if (options.orbit > 0) job.shots = orbit(options.camera, options.orbit);
+  if (!options.path.empty()) job.shots = read_camera_path(options.path);
+  const bool timed =
+      std::any_of(job.shots.begin(), job.shots.end(), [](const Shot& shot) { return shot.time.has_value(); });
+  if (timed && job.animation.empty())
     throw Error(ErrorKind::bad_argument, options.path + ": has times, which are those of --animation");
-  picture.options.technique = options.technique;
-  picture.look = {options.shading.color, options.shading.alpha};
-  picture.width = size.width;
-  picture.height = size.height;
-  render_capture(picture, session);
+  job.options.technique = options.technique;
+  job.look = {options.shading.color, options.shading.alpha};
+  job.width = size.width;
+  job.height = size.height;
+  render_capture(job, session);
 }
 
 void run_render(const RenderCommand& options, Session& session) {
+  refuse_options_without_effect(options);
   check_writable(options.output);
   if (!options.capture.deep.empty()) check_writable(options.capture.deep);
   session.check_json();
-  if (!draws_orders(options)) return run_capture(options, session);
+  if (!capture_option(options).empty()) return run_capture(options, session);
   const Stopwatch watch;
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);
   const Scene scene = make_scene(read_model(options.input));
-  if (options.picture == OrderPicture::buffers || options.picture == OrderPicture::error) {
+  if (options.order == OrderImage::buffers || options.order == OrderImage::error) {
     require_orders(scene, options.input);
   }
   stop_if_signalled();
@@ -107,13 +133,12 @@ void run_render(const RenderCommand& options, Session& session) {
   const std::uint64_t covered = fragments.covered_pixels();
   PixelCount wrong{covered, 0};
   Image image;
-  if (options.picture == OrderPicture::exact) {
+  if (options.order == OrderImage::exact) {
     image = shade_exact(scene.mesh, camera, fragments, options.shading);
   } else {
-    const std::vector<std::uint32_t> ranks =
-        scene_ranks(scene, draw_order(options.picture), camera, viewpoint);
+    const std::vector<std::uint32_t> ranks = scene_ranks(scene, draw_order(options.order), camera, viewpoint);
     wrong = count_incorrect_pixels(fragments, ranks);
-    image = options.picture == OrderPicture::error
+    image = options.order == OrderImage::error
                 ? error_image(fragments, ranks)
                 : shade_ordered(scene.mesh, camera, fragments, ranks, options.shading);
   }
@@ -122,7 +147,7 @@ void run_render(const RenderCommand& options, Session& session) {
   const double ipr = covered == 0 ? 0 : static_cast<double>(wrong.incorrect) / static_cast<double>(covered);
   const double seconds = watch.seconds();
   session.print(fmt::format("{}: {}x{}, {}: {} fragments on {} pixels, wrong {}\n", options.output,
-                            size.width, size.height, options.picture_name,
+                            size.width, size.height, options.order_name,
                             format_count(fragments.fragments.size()), format_count(covered),
                             format_percent(ipr)));
   const nlohmann::ordered_json json = {{"schema", 1},
@@ -130,7 +155,7 @@ void run_render(const RenderCommand& options, Session& session) {
                                        {"input", options.input},
                                        {"output", options.output},
                                        {"technique", options.technique},
-                                       {"order", options.picture_name},
+                                       {"order", options.order_name},
                                        {"width", size.width},
                                        {"height", size.height},
                                        {"triangles", scene.mesh.triangles.size()},
@@ -148,7 +173,7 @@ void run_render(const RenderCommand& options, Session& session) {
 void add_render_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<RenderCommand>();
   CLI::App* command = add_command(
-      app, chosen, "render", "One picture of a file: all its fragments, folded by an effect",
+      app, chosen, "render", "Draw an image of a file: all its fragments, folded by an effect",
       "  pellucid render goblet.glb -o exact.png\n"
       "  pellucid render ordered.glb -o buffers.png --order buffers --camera 120,-10,2.5\n"
       "  pellucid render ordered.glb -o wrong.png --order error --size 1024x1024\n"
@@ -160,58 +185,79 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       "  pellucid render parts.glb -o carved.png --technique f2b-2p --effect csg --csg difference",
       1, [options](Session& session) { run_render(*options, session); });
   RenderCommand& o = *options;
+  o.command = command;
   command->add_option("FILE", o.input, "glTF, GLB, PLY, OBJ, STL or OFF")->required()->type_name("");
-  command->add_option("-o,--output", o.output, "The PNG to write")->required()->type_name("FILE");
-  command->add_option("--technique", o.technique, "How fragments are gathered (see pellucid techniques)")
-      ->type_name("NAME")
-      ->capture_default_str();
-  add_capture_options(*command, o.capture);
-  add_choice(*command, "--order", o.picture,
-             {{"exact", OrderPicture::exact},
-              {"buffers", OrderPicture::buffers},
-              {"original", OrderPicture::original},
-              {"centroid", OrderPicture::centroid},
-              {"error", OrderPicture::error}},
+  command->add_option("--size", o.size, "WIDTHxHEIGHT")
+      ->type_name("")
+      ->capture_default_str()
+      ->group(kImageGroup);
+  add_choice(*command, "--order", o.order,
+             {{"exact", OrderImage::exact},
+              {"buffers", OrderImage::buffers},
+              {"original", OrderImage::original},
+              {"centroid", OrderImage::centroid},
+              {"error", OrderImage::error}},
              "How fragments are blended (default exact); error: wrong pixels of the buffers in red")
-      ->each([&o](const std::string& name) { o.picture_name = name; });
+      ->each([&o](const std::string& name) { o.order_name = name; })
+      ->group(kImageGroup);
+  add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},
+             "lit: lighting of a translucent surface (default); depth: depth as colour")
+      ->group(kImageGroup);
+  command->add_option("--alpha", o.shading.alpha, "Opacity of a face")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(kImageGroup);
+  command->add_option("--technique", o.technique, "How fragments are captured (see pellucid techniques)")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->group(kTechniqueGroup);
+  add_capture_options(*command, o.capture);
   command
       ->add_option("--camera", o.camera,
                    "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf), or file:NAME or "
                    "file:NUMBER of a camera of the file")
       ->type_name("")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kCameraGroup);
   CLI::Option* orbit =
-      command->add_option("--orbit", o.orbit, "So many pictures round the scene, from --camera on, numbered")
+      command
+          ->add_option("--orbit", o.orbit,
+                       "Number of images around the scene, from --camera on, each in a file of its own")
           ->check(CLI::Range(1, 100'000))
-          ->type_name("N");
-  command->add_option("--path", o.path, "A picture for every line of FILE: a camera, and maybe the time")
+          ->type_name("N")
+          ->group(kCameraGroup);
+  command
+      ->add_option("--path", o.path,
+                   "Draw an image for every line of FILE: a camera, and optionally the time")
       ->excludes(orbit)
-      ->type_name("FILE");
-  CLI::Option* animation = command
-                               ->add_option("--animation", o.capture.animation,
-                                            "Pose the scene by this animation, by name or number")
-                               ->type_name("NAME");
+      ->type_name("FILE")
+      ->group(kCameraGroup);
+  command
+      ->add_option("--animation", o.capture.animation, "Pose the scene by this animation, by name or number")
+      ->type_name("NAME")
+      ->group(kAnimationGroup);
   command->add_option("--time", o.capture.time, "Seconds of --animation")
-      ->needs(animation)
       ->type_name("S")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kAnimationGroup);
+  command->add_option("-o,--output", o.output, "The PNG to write")
+      ->required()
+      ->type_name("FILE")
+      ->group(kOutputGroup);
   command
       ->add_option("--maps", o.capture.maps,
-                   "Write importance.png, k.png and loss.png of a technique with --memory into this folder")
-      ->type_name("FOLDER");
+                   "Write importance.png, k.png and loss.png of a technique with a tail into this folder")
+      ->type_name("FOLDER")
+      ->group(kOutputGroup);
   command->add_option("--deep", o.capture.deep, "Write all fragments of all pixels as a deep OpenEXR file")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->group(kOutputGroup);
   command
       ->add_option("--pixel", o.capture.pixels, "Print all fragments of this pixel; several times for more")
       ->type_name("X,Y")
       ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--size", o.size, "WIDTHxHEIGHT")->type_name("")->capture_default_str();
-  add_choice(*command, "--shading", o.shading.shading, {{"lit", Shading::lit}, {"depth", Shading::depth}},
-             "lit: lighting of a translucent surface (default); depth: depth as colour");
-  command->add_option("--alpha", o.shading.alpha, "Opacity of a face")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+      ->allow_extra_args(false)
+      ->group(kOutputGroup);
 }
 
 }  // namespace pellucid::cli

@@ -39,9 +39,9 @@ nlohmann::ordered_json to_json(const TechniqueInfo& t, const std::string& missin
           {"missing", lacks},
           {"passes_formula", t.passes_formula},
           {"bytes_formula", t.bytes_formula},
-          {"can_cull", t.can_cull},
+          {"can_cull", t.uses(OptionGroup::culling)},
           {"blends_only", t.blends_only},
-          {"budgeted", t.budgeted},
+          {"budgeted", t.uses(OptionGroup::budget)},
           {"keeps_tail", t.keeps_tail},
           {"sync", ways_of(t)},
           {"msaa", {1, 4}}};
@@ -99,11 +99,13 @@ void list_techniques(const DeviceOptions& options, Session& session) {
 
 void add_techniques_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DeviceOptions>();
-  CLI::App* command = add_command(app, chosen, "techniques", "Every technique that render knows",
+  CLI::App* command = add_command(app, chosen, "techniques", "List every technique that render knows",
                                   "  pellucid techniques\n"
                                   "  pellucid techniques --json -",
                                   1, [options](Session& session) { list_techniques(*options, session); });
-  command->add_option("--device", options->device, "Vulkan device, by a part of its name")->type_name("NAME");
+  command->add_option("--device", options->device, "Vulkan device, by a part of its name")
+      ->type_name("NAME")
+      ->group(kTechniqueGroup);
 }
 
 }  // namespace pellucid::cli

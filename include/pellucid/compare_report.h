@@ -30,7 +30,7 @@ struct NamedMap {
   std::string words, unit;  // "fragments lost to the tail", "fragments"
   double most = 0;          // what the darkest colour stands for
 };
-// Returns importance, k and loss of a result drawn with RenderOptions::maps; nothing without maps.
+// Returns importance, k and loss of a result drawn with BudgetOptions::maps; nothing without maps.
 std::vector<NamedMap> budget_heat_maps(const RenderResult& result, std::uint32_t samples);
 // Returns the number of fragments, and of fragments that share their depth with another one, of a result
 // drawn with RenderOptions::keep_fragments; nothing without fragments.
@@ -121,7 +121,7 @@ struct CompareReport {
   DeviceInfo device;
   std::string effect, surfaces;
   std::uint32_t k = 8, frames = 1;
-  std::uint64_t memory = 0;  // RenderOptions::memory
+  std::uint64_t memory = 0;  // BudgetOptions::bytes
   std::vector<ComparedScene> scenes;
   std::vector<ComparedSweep> sweeps;
   double seconds_total = 0;

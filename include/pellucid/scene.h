@@ -178,7 +178,7 @@ struct RenderScene {
   std::vector<Texture> textures;
   // The draw order of the triangles; empty: as they are. Fragment ids refer to `triangles` in any case.
   // Opaque surfaces that are drawn first keep this order among themselves.
-  std::vector<std::uint32_t> sequence;
+  std::vector<std::uint32_t> draw_order;
 };
 
 enum class Surfaces {

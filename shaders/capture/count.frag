@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/fragment_input.glsl"
+#include "frame.glsl"
+#include "scene/fragment_input.glsl"
 #if defined(MARKED)
 layout(early_fragment_tests) in;  // what the stencil test keeps out leaves nothing here
 #endif

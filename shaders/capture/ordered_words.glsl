@@ -1,5 +1,5 @@
-// Slots of three words in ATTACHMENTS attachments of four. Fragments of a pixel come one after the other, in the sequence of
-// drawing, and read what the one before left (rasterization order attachment access). main() begins with EACH(LOAD), and
+// Slots of three words in ATTACHMENTS attachments of four. Fragments of a pixel come one after the other, in draw
+// order, and read what the one before left (rasterization order attachment access). main() begins with EACH(LOAD), and
 // ends with EACH(STORE).
 #define ATTACHMENT(i) \
   layout(input_attachment_index = i, set = 1, binding = i) uniform usubpassInput before_##i; \

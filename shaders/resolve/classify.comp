@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/counters.glsl"
-#include "storage.glsl"
-#include "tiles.glsl"
+#include "frame.glsl"
+#include "counters.glsl"
+#include "resolve/storage.glsl"
+#include "resolve/tiles.glsl"
 // Which tiles have lists of at most 4, 8, 16, 128 or more fragments: each class is sorted by a kernel of its own.
 // Counts pixels with fragments and the deepest of them on the way.
 layout(local_size_x = 8, local_size_y = 8) in;
-#include "../capture/marked_tiles.glsl"
+#include "resolve/marked_tiles.glsl"
 // With bit 2 of kVariant (lists.comp) there is a workgroup for each marked tile, else for every tile.
 const bool kRepairs = (kVariant & 2u) != 0u;
 shared uint deepest_list, deepest_pixel, covered_pixels;
@@ -39,5 +39,5 @@ void main() {
   if (gl_LocalInvocationIndex != 0u) return;
   atomicMax(counters.deepest, deepest_pixel);
   atomicAdd(counters.covered, covered_pixels);
-  put_tile(class_of(deepest_list), tile.y * tiles_of_picture().x + tile.x, tile_count());
+  put_tile(class_of(deepest_list), tile.y * tiles_of_image().x + tile.x, tile_count());
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "tiles.glsl"
+#include "frame.glsl"
+#include "resolve/tiles.glsl"
 // No tiles in any class yet; the other two words of each indirect dispatch are 1.
 layout(local_size_x = 1) in;
 void main() {

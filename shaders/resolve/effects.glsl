@@ -1,19 +1,100 @@
 // An effect is a fold over a pixel's fragments: init, step (the next one behind), step_back (the next one in front,
-// for techniques that come from the far end), merge (what lies behind), finish. One file each; this one chooses by
-// the constant kEffect, so that a driver keeps one of them.
+// for techniques that come from the far end), merge (what lies behind), finish. Those that take more than a few
+// lines have a file of their own. The constant kEffect chooses, so that a driver keeps one of them.
 #ifndef EFFECTS_GLSL
 #define EFFECTS_GLSL
-#include "../interface/opaque.glsl"
-#include "state.glsl"
-#include "transparency.glsl"
-#include "coplanarity.glsl"
-#include "complexity.glsl"
-#include "thickness.glsl"
-#include "csg.glsl"
-#include "self_collision.glsl"
-#include "dump.glsl"
+#include "scene/opaque.glsl"
 
-// src/render/effects.h: enum class Effect.
+// The state of a fold over a pixel's fragments; what its members mean is up to the effect.
+struct State {
+  vec4 color;
+  uvec4 word;
+};
+layout(std430, set = 0, binding = SLOT_OBJECTS) readonly buffer Objects { uint objects[]; };
+uint object_of(uint id) { return objects[triangle_of(id)]; }
+
+// "Over": colour (premultiplied, linear) and the transmittance of what was folded. Wireframe differs only in the
+// colours that its fragments come with.
+State transparency_init() { return State(vec4(0.0, 0.0, 0.0, 1.0), uvec4(0u)); }
+
+void transparency_step(inout State s, Fragment f) {
+  const vec4 c = unpack_color(f.color);
+  s.color.rgb += s.color.a * c.a * c.rgb;
+  s.color.a *= 1.0 - c.a;
+}
+
+void transparency_step_back(inout State s, Fragment f) {
+  const vec4 c = unpack_color(f.color);
+  s.color.rgb = c.a * c.rgb + (1.0 - c.a) * s.color.rgb;
+  s.color.a *= 1.0 - c.a;
+}
+
+void transparency_merge(inout State s, State behind) {
+  s.color.rgb += s.color.a * behind.color.rgb;
+  s.color.a *= behind.color.a;
+}
+
+vec4 transparency_finish(State s, uint pixel) {
+  return vec4(s.color.rgb + s.color.a * background_of(pixel), 1.0 - s.color.a);
+}
+
+#include "resolve/coplanarity.glsl"
+
+// Fragments of the pixel, as a heat map that doubles from colour to colour. word.x: their number.
+State complexity_init() { return State(vec4(0.0), uvec4(0u)); }
+void complexity_step(inout State s, Fragment f) { ++s.word.x; }
+void complexity_merge(inout State s, State behind) { s.word.x += behind.word.x; }
+vec4 complexity_finish(State s) {
+  if (s.word.x == 0u) return vec4(frame.background.rgb, 0.0);
+  const vec3 ramp[8] = vec3[](vec3(0.02, 0.03, 0.20), vec3(0.03, 0.12, 0.55), vec3(0.02, 0.40, 0.55), vec3(0.05, 0.55, 0.15),
+                              vec3(0.75, 0.70, 0.03), vec3(0.90, 0.30, 0.02), vec3(0.70, 0.02, 0.05), vec3(0.95, 0.75, 0.85));
+  const float place = clamp(log2(float(s.word.x)), 0.0, 6.999);
+  const uint from = uint(place);
+  return vec4(mix(ramp[from], ramp[from + 1u], place - float(from)), 1.0);
+}
+
+// How much of closed solids a ray goes through: backs minus fronts, in units of the distance between the planes,
+// shown as light that is absorbed. color.x: the sum; word.x: fragments.
+State thickness_init() { return State(vec4(0.0), uvec4(0u)); }
+void thickness_step(inout State s, Fragment f) {
+  const float d = (view_distance(f.z) - frame.planes.x) / (frame.planes.y - frame.planes.x);
+  s.color.x += is_back(f.id) ? d : -d;
+  ++s.word.x;
+}
+void thickness_merge(inout State s, State behind) {
+  s.color.x += behind.color.x;
+  s.word.x += behind.word.x;
+}
+vec4 thickness_finish(State s) {
+  if (s.word.x == 0u) return vec4(frame.background.rgb, 0.0);
+  return vec4(frame.background.rgb * exp(-max(s.color.x, 0.0) * vec3(9.0, 4.5, 1.8)), 1.0);
+}
+
+#include "resolve/csg.glsl"
+#include "resolve/self_collision.glsl"
+
+// Every fragment as it was delivered, for tests, deep pixels and picking: pixel_count() + 1 offsets, then depth
+// bits, id and colour of each. word.x: how many so far. Those from the back fill from the end.
+layout(std430, set = 0, binding = SLOT_DUMP) buffer Dump { uint dump[]; };
+
+State dump_init() { return State(vec4(0.0), uvec4(0u)); }
+
+void dump_write(uint place, Fragment f) {
+  const uint at = pixel_count() + 1u + 3u * place;
+  dump[at] = floatBitsToUint(f.z);
+  dump[at + 1u] = f.id;
+  dump[at + 2u] = f.color;
+}
+void dump_step(inout State s, uint pixel, Fragment f) {
+  const uint place = dump[pixel] + s.word.x++;
+  if (place < dump[pixel + 1u]) dump_write(place, f);
+}
+void dump_step_back(inout State s, uint pixel, Fragment f) {
+  const uint place = dump[pixel + 1u] - 1u - s.word.x++;
+  if (place >= dump[pixel]) dump_write(place, f);
+}
+
+// include/pellucid/render.h: enum class Effect.
 const uint kTransparencyEffect = 0u;
 const uint kWireframeEffect = 1u;
 const uint kCsgEffect = 2u;
@@ -23,7 +104,7 @@ const uint kComplexityEffect = 5u;
 const uint kThicknessEffect = 6u;
 const uint kDumpEffect = 7u;
 
-// Does the sequence of fragments at one depth matter?
+// Does the order of fragments at one depth matter?
 bool effect_blends() { return kEffect <= kWireframeEffect; }
 
 State effect_init() {

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/counters.glsl"
-#include "../interface/keys.glsl"
-#include "effects.glsl"
-#include "tally.glsl"
+#include "frame.glsl"
+#include "counters.glsl"
+#include "capture/keys.glsl"
+#include "resolve/effects.glsl"
+#include "resolve/tally.glsl"
 // Fold kK slots of a pixel, which are in depth order already: keys (A) and colours (C); or three words each, WORDS of a
 // buffer (A) or LAYERS of an image, four words to each.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, set = 0, binding = SLOT_PICTURE) writeonly buffer Picture { vec4 picture[]; };
+layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 #if defined(WORDS) || defined(LAYERS)
 #if defined(WORDS)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Slots { uint words[]; };
@@ -51,7 +51,7 @@ void main() {
       if (!done) effect_step(state, index, Fragment(key_depth(key), key_id(key), color_of(pixel, i)));
       done = done || effect_is_done(state);
     }
-    picture[index] = effect_finish(state, index);
+    final_colors[index] = effect_finish(state, index);
     tally(captured, coplanar, true, false);
   }
   end_tally();

@@ -1,5 +1,5 @@
 // Where a buffer technique left the fragments of a pixel: RANGES (S-buffer; push.p3 nodes), LISTS (linked lists, perhaps in buckets)
-// ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular sequence: next() gives whole
+// ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular order: next() gives whole
 // fragments, next_depth() a depth and the node whose id and colour fragment_at() gets.
 #if defined(RANGES)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };

@@ -1,12 +1,13 @@
-// Checks: see checks.h.
+// The list of techniques, and what is refused before anything is drawn: see checks.h.
 #include "render/checks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "render/effects.h"
-#include "render/importance_terms.h"
+#include "render/capture/registry.h"
+#include "render/device/ordered_attachments.h"
+#include "render/options.h"
 
 namespace pellucid {
 
@@ -27,7 +28,7 @@ std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device
   if (technique.needs_layered && !device.layered) return "layered rendering from vertex shaders";
   if (technique.needs_ordered > device.ordered_attachments) {
     return fmt::format(
-        "{} attachments that are read back in the sequence of drawing "
+        "{} attachments that are read back in draw order "
         "(VK_EXT_rasterization_order_attachment_access)",
         technique.needs_ordered);
   }
@@ -35,6 +36,40 @@ std::string missing_for(const TechniqueInfo& technique, const DeviceInfo& device
 }
 
 namespace render {
+namespace {
+
+std::string name_of(Sync sync) {
+  const auto ways = sync_ways();
+  return std::find_if(ways.begin(), ways.end(), [&](const NamedSync& way) { return way.sync == sync; })->name;
+}
+
+std::string names_of(const std::vector<Sync>& syncs) {
+  std::string names;
+  for (const Sync sync : syncs) names.append(names.empty() ? "" : ", ").append(name_of(sync));
+  return names;
+}
+
+// Why a way is not open; empty: it is.
+std::string obstacle(Sync sync, const TechniqueInfo& technique, const RenderOptions& options,
+                     const DeviceInfo& device) {
+  const std::string missing = missing_for(sync, device);
+  if (!missing.empty()) return fmt::format("{}, which {} does not support", missing, device.name);
+  // A budget says how many attachments there are, and these how many fragments.
+  if (sync != Sync::ordered || technique.keeps_tail) return "";
+  if (ordered_attachments_for(options.k) <= device.ordered_attachments) return "";
+  return fmt::format("{} attachments for k = {}, and {} has {}", ordered_attachments_for(options.k),
+                     options.k, device.name, device.ordered_attachments);
+}
+
+}  // namespace
+
+// The list of registry.h.
+const std::vector<TechniqueEntry>& technique_entries() {
+#define PELLUCID_ENTRY(technique) technique(),
+  static const std::vector<TechniqueEntry> kEntries{PELLUCID_TECHNIQUES(PELLUCID_ENTRY)};
+#undef PELLUCID_ENTRY
+  return kEntries;
+}
 
 const TechniqueEntry& find_technique(const RenderOptions& options, const DeviceInfo& device) {
   std::string names;
@@ -43,11 +78,11 @@ const TechniqueEntry& find_technique(const RenderOptions& options, const DeviceI
     if (entry.info.name != options.technique) continue;
     const std::string missing = missing_for(entry.info, device);
     if (missing.empty()) return entry;
-    throw Error(ErrorKind::bad_argument, fmt::format("--technique {} needs {}, which {} has not",
+    throw Error(ErrorKind::bad_argument, fmt::format("technique {} needs {}, which {} does not support",
                                                      options.technique, missing, device.name));
   }
   throw Error(ErrorKind::bad_argument,
-              fmt::format("--technique: there is no '{}'; there are {}", options.technique, names));
+              fmt::format("there is no technique '{}'; there are {}", options.technique, names));
 }
 
 void check_options(const Camera& camera, const RenderOptions& options, const DeviceInfo& device,
@@ -55,37 +90,59 @@ void check_options(const Camera& camera, const RenderOptions& options, const Dev
   if (camera.width == 0 || camera.height == 0 || camera.width > device.max_side ||
       camera.height > device.max_side) {
     throw Error(ErrorKind::bad_argument,
-                fmt::format("{} draws pictures of 1 to {} pixels a side, not {}x{}", device.name,
+                fmt::format("{} draws images of 1 to {} pixels a side, not {}x{}", device.name,
                             device.max_side, camera.width, camera.height));
   }
-  if (options.samples != 1 && options.samples != 4) throw Error(ErrorKind::bad_argument, "--samples: 1 or 4");
-  if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "--k: not in 1..64");
+  if (options.samples != 1 && options.samples != 4)
+    throw Error(ErrorKind::bad_argument, "samples of a pixel: 1 or 4");
+  if (options.k < 1 || options.k > 64) throw Error(ErrorKind::bad_argument, "k is not in 1..64");
   check_effect(options.effect, objects);
 }
 
 void check_technique(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
-  if (options.cull && !technique.can_cull) {
-    throw Error(
-        ErrorKind::bad_argument,
-        fmt::format("--cull: --technique {} does not peel, so nothing is drawn twice", technique.name));
-  }
-  if (options.cull && !device.conditional) {
+  if (options.peeling.cull && !technique.uses(OptionGroup::culling)) {
     throw Error(ErrorKind::bad_argument,
-                fmt::format("--cull needs conditional rendering, which {} has not", device.name));
+                fmt::format("technique {} does not peel, so nothing is drawn twice that could be culled",
+                            technique.name));
   }
-  if (technique.keeps_tail) check_importance(options.importance);
+  if (options.peeling.cull && !device.conditional) {
+    throw Error(ErrorKind::bad_argument,
+                fmt::format("culling needs conditional rendering, which {} does not support", device.name));
+  }
+  if (technique.keeps_tail) check_importance(options.budget.importance);
   if (!technique.blends_only && !technique.keeps_tail) return;
   if (!blends(options.effect)) {
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("--technique {} blends what it does not keep: --effect transparency or "
-                            "wireframe only",
-                            technique.name));
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("technique {} blends what it does not keep: it draws the effects transparency and "
+                    "wireframe only",
+                    technique.name));
   }
   if (technique.blends_only && options.keep_fragments) {
     throw Error(
         ErrorKind::bad_argument,
-        fmt::format("--technique {} blends while it draws: it has no fragments to keep", technique.name));
+        fmt::format("technique {} blends while it draws: it has no fragments to keep", technique.name));
   }
+}
+
+Sync choose_sync(const TechniqueInfo& technique, const RenderOptions& options, const DeviceInfo& device) {
+  const std::vector<Sync>& syncs = technique.syncs;
+  if (syncs.empty()) return Sync::automatic;
+  Sync wanted = options.k_buffer.sync;
+  if (wanted == Sync::automatic) {
+    const auto open = std::find_if(syncs.begin(), syncs.end(), [&](Sync sync) {
+      return obstacle(sync, technique, options, device).empty();
+    });
+    wanted = open != syncs.end() ? *open : syncs.back();
+  }
+  if (std::find(syncs.begin(), syncs.end(), wanted) == syncs.end()) {
+    throw Error(ErrorKind::bad_argument, fmt::format("{} synchronisation: technique {} has only {}",
+                                                     name_of(wanted), technique.name, names_of(syncs)));
+  }
+  const std::string reason = obstacle(wanted, technique, options, device);
+  if (!reason.empty())
+    throw Error(ErrorKind::bad_argument, fmt::format("{} synchronisation needs {}", name_of(wanted), reason));
+  return wanted;
 }
 
 }  // namespace render

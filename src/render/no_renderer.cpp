@@ -1,4 +1,4 @@
-// Renderer in a build without Vulkan: there, and says that it cannot draw.
+// Renderer in a build without Vulkan: its constructor throws.
 #include "pellucid/render.h"
 
 namespace pellucid {
@@ -8,7 +8,8 @@ struct Renderer::Implementation {
 };
 
 Renderer::Renderer(const DeviceOptions& /*options*/) {
-  throw Error(ErrorKind::bad_argument, "pellucid was built without Vulkan: there is only --technique cpu");
+  throw Error(ErrorKind::bad_argument,
+              "pellucid was built without Vulkan: only the reference on the CPU can draw");
 }
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "pellucid/shading.h"
-#include "render/effects.h"
-#include "render/surface_sampler.h"
+#include "render/options.h"
+#include "render/scene/surface_sampler.h"
 
 namespace pellucid {
 namespace {
@@ -338,10 +338,11 @@ RenderResult Reference::draw() {
 RenderResult draw_reference(const RenderScene& scene, const Camera& camera, const RenderOptions& options) {
   render::check_effect(options.effect, scene.surfaces.size());
   if (options.samples != 1)
-    throw Error(ErrorKind::bad_argument, "--samples: on the CPU a pixel has one: choose another --technique");
-  if (options.cull)
     throw Error(ErrorKind::bad_argument,
-                "--cull: on the CPU nothing is drawn twice: choose another --technique");
+                "the reference on the CPU has one sample a pixel: choose another technique");
+  if (options.peeling.cull)
+    throw Error(ErrorKind::bad_argument,
+                "the reference on the CPU draws nothing twice, so it cannot cull: choose another technique");
   return Reference(scene, camera, options).draw();
 }
 

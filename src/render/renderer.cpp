@@ -11,18 +11,15 @@
 #include <set>
 #include <utility>
 
-#include "render/automatic.h"
-#include "render/capture/nearest_rounds.h"
-#include "render/capture/synchronisation.h"
+#include "render/capture/automatic.h"
+#include "render/capture/registry.h"
 #include "render/capture/technique.h"
 #include "render/checks.h"
-#include "render/culling.h"
-#include "render/effects.h"
 #include "render/frame.h"
-#include "render/frame_data.h"
-#include "render/importance_terms.h"
-#include "render/opaque_layer.h"
-#include "render/read_back.h"
+#include "render/options.h"
+#include "render/resolve/read_back.h"
+#include "render/scene/culling.h"
+#include "render/scene/opaque_layer.h"
 
 namespace pellucid {
 namespace render {
@@ -112,11 +109,11 @@ struct Renderer::Implementation {
   std::optional<render::OpaqueLayer> opaque;
   render::Buffer unused;      // in slots that a shader mentions but does not reach
   render::Buffer left_after;  // pixels that the next round may find something for, after each of some rounds
-  render::Buffer frame_buffer, picture, dump;
+  render::Buffer frame_buffer, final_colors, dump;
   using BandKey = std::pair<std::uint32_t, std::uint32_t>;
-  std::map<BandKey, render::Buffer> residues;            // of the last frame, by band
-  std::map<BandKey, render::SequenceHistory> histories;  // of all frames of the scene, by band
-  std::set<BandKey> drawn_bands;                         // of the current one
+  std::map<BandKey, render::Buffer> residues;             // of the last frame, by band
+  std::map<BandKey, render::DrawOrderHistory> histories;  // of all frames of the scene, by band
+  std::set<BandKey> drawn_bands;                          // of the current one
 };
 
 render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& band) {
@@ -129,7 +126,7 @@ render::Frame Renderer::Implementation::make_frame(const Job& job, const Band& b
           .width = job.camera.width,
           .height = band.rows * job.options.samples,
           .first_row = band.first_row,
-          .picture_height = job.camera.height,
+          .image_height = job.camera.height,
           .counters = render::Buffer(context, "counters", sizeof(render::Counters)),
           .residue = &residues[{band.first_row, band.rows}]};
 }
@@ -150,7 +147,7 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
     if (scene->textures) recorder.bind(render::Slot::textures, scene->textures);
     recorder.bind(render::Slot::counters, frame.counters);
     recorder.bind(render::Slot::opaque, opaque->nearest());
-    if (picture) recorder.bind(render::Slot::picture, picture);
+    if (final_colors) recorder.bind(render::Slot::final_colors, final_colors);
     if (dump) recorder.bind(render::Slot::dump, dump);
     recorder.begin_time();
     record(recorder);
@@ -224,7 +221,7 @@ std::vector<std::uint32_t> Renderer::Implementation::count(const Job& job, rende
 std::optional<render::Culling> Renderer::Implementation::start_culling(const Job& job,
                                                                        const render::Frame& frame,
                                                                        CaptureStats& stats) {
-  if (!job.options.cull || frame.scene.groups.empty()) return std::nullopt;
+  if (!job.options.peeling.cull || frame.scene.groups.empty()) return std::nullopt;
   std::optional<render::Culling> culling(std::in_place, frame);
   run(job, frame, stats, [&](render::Recorder& recorder) { culling->start(recorder); });
   return culling;
@@ -297,7 +294,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   CaptureStats& stats = result.stats;
   const render::FrameData data = render::frame_data(job.camera, frame);
   render::upload<render::FrameData>(context, frame_buffer, std::span(&data, 1));
-  picture = render::Buffer(context, "picture", 16 * frame.pixels());
+  final_colors = render::Buffer(context, "image", 16 * frame.pixels());
   std::vector<std::uint32_t> offsets;
   if (job.effect == render::kDumpEffect) {
     offsets.reserve(counts.size() + 1);
@@ -336,7 +333,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
     // Techniques with a tail are asked for ids where colours would be.
     render::read_fragments(dump, frame, offsets, !job.technique.info.keeps_tail, result);
   } else {
-    render::read_picture(picture, frame, result);
+    render::read_colors(final_colors, frame, result);
   }
 }
 
@@ -365,7 +362,7 @@ void Renderer::Implementation::draw_band(const Job& job, const Band& band, Rende
 
 bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& band, Counted& counted,
                                                   RenderResult& result) {
-  render::SequenceHistory& history = histories[{band.first_row, band.rows}];
+  render::DrawOrderHistory& history = histories[{band.first_row, band.rows}];
   const render::AutomaticDemand demand = render::automatic_demand(counted.frame, history);
   const render::AutomaticChoice choice = render::choose_technique(demand);
   RenderOptions named = job.options;
@@ -376,7 +373,7 @@ bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& ba
   chosen.sync = render::choose_sync(chosen.technique.info, job.options, context.info());
   counted.frame.sync = chosen.sync;
   // What there is decides, where there is a budget; else the counts of the last frame would do.
-  counted.needed = job.options.memory != 0;
+  counted.needed = job.options.budget.bytes != 0;
   const CaptureStats before = result.stats;
   result.stats.pool_exceeded = false;
   if (!capture_band(chosen, band, counted, result)) {
@@ -404,12 +401,13 @@ bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Co
                                         job.effect == render::kDumpEffect
                                             ? 4 * (frame.pixels() + 1 + render::kDumpWords * frame.fragments)
                                             : 0);
-  const bool over_budget = job.options.memory != 0 && technique->least_bytes(frame) > job.options.memory;
+  const bool over_budget =
+      job.options.budget.bytes != 0 && technique->least_bytes(frame) > job.options.budget.bytes;
   if (band.rows > 1 && (needed > context.info().max_buffer_bytes || over_budget)) return false;
   if (over_budget) {
     throw Error(ErrorKind::bad_argument,
-                fmt::format("--memory: {} bytes do not hold what is kept of a row of pixels: {} bytes",
-                            job.options.memory, technique->least_bytes(frame)));
+                fmt::format("memory budget: {} bytes do not hold what is kept of a row of pixels: {} bytes",
+                            job.options.budget.bytes, technique->least_bytes(frame)));
   }
   drawn_bands.insert({band.first_row, band.rows});
   result.stats.pool_exceeded = result.stats.pool_exceeded || pool_exceeded;
@@ -422,7 +420,7 @@ bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Co
   const CaptureStats before_capture = result.stats;
   capture(job, frame, *technique, result, counted.counts);
   // Layers may be larger than a pool that they share one after the other, and loops of a driver may end
-  // early: what is lost then would depend on the sequence of drawing.
+  // early: what is lost then would depend on the draw order.
   const bool lost = !pool_exceeded && result.stats.overflowed > before_capture.overflowed;
   if (!lost || !job.technique.info.exact || !context.info().atomics64) return true;
   technique.reset();
@@ -457,11 +455,11 @@ std::unique_ptr<render::Technique> Renderer::Implementation::make_for_small_pool
   if (!context.info().atomics64) {
     throw Error(ErrorKind::bad_argument,
                 fmt::format("the pool has {} nodes for {} fragments, and what is done then needs 64-bit "
-                            "atomics, which {} has not",
+                            "atomics, which {} does not support",
                             frame.capacity(), frame.fragments, context.info().name));
   }
   const bool suffices = frame.fragments <= frame.capacity();
-  return render::nearest_rounds_in_pool(suffices ? Overflow::exact : job.options.overflow);
+  return render::nearest_rounds_in_pool(suffices ? Overflow::exact : job.options.pool.overflow);
 }
 
 RenderResult Renderer::Implementation::draw(Job job) {
@@ -470,16 +468,16 @@ RenderResult Renderer::Implementation::draw(Job job) {
     Implementation& self;
     bool finished = false;
     ~Release() {
-      // A residue that was begun is none; those of other bands are of another picture.
+      // A residue that was begun is none; those of other bands are of another image.
       if (!finished) self.residues.clear();
-      const auto of_another_picture = [&](const auto& entry) {
+      const auto of_another_image = [&](const auto& entry) {
         return !self.drawn_bands.contains(entry.first);
       };
-      std::erase_if(self.residues, of_another_picture);
-      std::erase_if(self.histories, of_another_picture);
+      std::erase_if(self.residues, of_another_image);
+      std::erase_if(self.histories, of_another_image);
       self.drawn_bands.clear();
       self.opaque.reset();
-      self.picture = {};
+      self.final_colors = {};
       self.dump = {};
     }
   } release{*this};
@@ -542,7 +540,7 @@ RenderResult Renderer::draw(const Camera& camera, const RenderOptions& options, 
     return self.draw(job);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorKind::internal,
-                fmt::format("out of memory while drawing {}x{} pixels by {}: try a smaller --size",
+                fmt::format("out of memory while drawing {}x{} pixels by {}: try a smaller image",
                             camera.width, camera.height, options.technique));
   }
 }
@@ -569,7 +567,7 @@ OverdrawCount Renderer::count_overdraw(const Camera& camera) {
     render::Attachments attachments = frame.attachments();
     attachments.depth = &depth;
     recorder.draw(frame.scene,
-                  frame.pipelines.scene({.fragment_shader = "capture/shaded.frag",
+                  frame.pipelines.scene({.fragment_shader = "scene/shaded.frag",
                                          .depth = VK_FORMAT_D32_SFLOAT,
                                          .depth_test = render::DepthTest::less,
                                          .depth_write = true}),

@@ -64,7 +64,7 @@ class Plot {
     double least = INFINITY;
     double most = 0;
     for (const Curve& curve : chart_.curves) {
-      for (const CurvePoint& point : curve.points) {
+      for (const ChartPoint& point : curve.points) {
         if (!is_shown(point)) continue;
         least = std::min(least, point.y);
         most = std::max(most, point.y);
@@ -76,7 +76,7 @@ class Plot {
     y1_ = std::max(std::log(marks_.back()), y0_ + 1e-9);
   }
 
-  [[nodiscard]] bool is_shown(const CurvePoint& point) const {
+  [[nodiscard]] bool is_shown(const ChartPoint& point) const {
     return std::isfinite(point.y) && (chart_.is_share || point.y > 0);
   }
   [[nodiscard]] double x(double value) const {
@@ -108,7 +108,7 @@ class Plot {
       if (!points.empty()) svg += "<polyline points=\"" + points + "\"/>\n";
       points.clear();
     };
-    for (const CurvePoint& point : curve.points) {
+    for (const ChartPoint& point : curve.points) {
       if (!is_shown(point)) {
         close();
         continue;
@@ -124,9 +124,9 @@ class Plot {
     std::vector<std::size_t> named;
     std::vector<double> ends;
     for (std::size_t c = 0; c < chart_.curves.size(); ++c) {
-      const std::vector<CurvePoint>& points = chart_.curves[c].points;
+      const std::vector<ChartPoint>& points = chart_.curves[c].points;
       const auto last = std::find_if(points.rbegin(), points.rend(),
-                                     [&](const CurvePoint& point) { return is_shown(point); });
+                                     [&](const ChartPoint& point) { return is_shown(point); });
       if (last == points.rend()) continue;
       named.push_back(c);
       ends.push_back(y(last->y));

@@ -35,12 +35,12 @@ std::vector<double> spread_labels(const std::vector<double>& ends, double top, d
 
 // Curves over a parameter, as figures 7 to 9 and 11 of Vasilakis, Fudos (TVCG 2014) show them: logarithmic
 // axes, and the name of a curve beside its end.
-struct CurvePoint {
+struct ChartPoint {
   double x = 0, y = 0;
 };
 struct Curve {
   std::string name;
-  std::vector<CurvePoint> points;  // by rising x; the curve is broken where y is not finite
+  std::vector<ChartPoint> points;  // by rising x; the curve is broken where y is not finite
 };
 struct CurveChart {
   std::string title, x_title;

@@ -1,4 +1,4 @@
-// Techniques with a budget from the command line.
+// Techniques with a memory budget from the command line.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -10,13 +10,13 @@ namespace pellucid::testing {
 namespace {
 
 #if defined(PELLUCID_WITH_RENDERER)
-TEST(BudgetOptions, RefuseWhatMakesNoSense) {
+TEST(BudgetOptions, RefuseValuesOutOfRange) {
   const TemporaryFolder folder;
   for (const Arguments& bad :
-       {Arguments{"--memory", "5XB"}, Arguments{"--memory", "-1MB"}, Arguments{"--memory", "0.5"},
-        Arguments{"--importance", "beauty"}, Arguments{"--allocation", "fair"}, Arguments{"--focus", "1"},
-        Arguments{"--complexity", "2,25"}, Arguments{"--falloff", "0"}, Arguments{"--falloff", "nan"},
-        Arguments{"--importance-noise", "nan"}}) {
+       {Arguments{"--device-memory", "5XB"}, Arguments{"--device-memory", "-1MB"},
+        Arguments{"--device-memory", "0.5"}, Arguments{"--importance", "beauty"},
+        Arguments{"--allocation", "fair"}, Arguments{"--focus", "1"}, Arguments{"--complexity", "2,25"},
+        Arguments{"--falloff", "0"}, Arguments{"--falloff", "nan"}, Arguments{"--importance-noise", "nan"}}) {
     Arguments arguments{"render", samples().plain, "-o", folder.file("p.png"), "--technique", "variable-k"};
     arguments.insert(arguments.end(), bad.begin(), bad.end());
     const Finished done = run_pellucid(arguments);
@@ -27,9 +27,9 @@ TEST(BudgetOptions, RefuseWhatMakesNoSense) {
 }
 
 Arguments render(const TemporaryFolder& folder, const Arguments& more) {
-  Arguments arguments{"render",     samples().plain, "-o",    folder.file("p.png"),
-                      "--validate", "--size",        "96x64", "--technique",
-                      "variable-k", "--json",        "-"};
+  Arguments arguments{"render", samples().plain, "-o",          folder.file("p.png"), "--validation-layers",
+                      "--size", "96x64",         "--technique", "variable-k",         "--json",
+                      "-"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -37,7 +37,7 @@ Arguments render(const TemporaryFolder& folder, const Arguments& more) {
 TEST(BudgetOptions, KeepWithinTheMemory) {
   const TemporaryFolder folder;
   for (const char* memory : {"64", "60KB", "100KiB"}) {
-    const Finished done = run_pellucid(render(folder, {"--memory", memory}));
+    const Finished done = run_pellucid(render(folder, {"--device-memory", memory}));
     ASSERT_EQ(done.code, 0) << done.err;
     EXPECT_EQ(done.err, "");
     const nlohmann::json json = nlohmann::json::parse(done.out);
@@ -45,13 +45,13 @@ TEST(BudgetOptions, KeepWithinTheMemory) {
     EXPECT_LE(json["bytes"], most);
     EXPECT_LE(json["k_least"], json["k_most"]);
   }
-  EXPECT_EQ(run_pellucid(render(folder, {"--memory", "10"})).code, 2);
+  EXPECT_EQ(run_pellucid(render(folder, {"--device-memory", "10"})).code, 2);
 }
 
 TEST(BudgetOptions, FormsDrawTheSame) {
   const TemporaryFolder folder;
   const auto drawn_by = [&](const Arguments& form) {
-    Arguments more{"--memory", "60KB"};
+    Arguments more{"--device-memory", "60KB"};
     more.insert(more.end(), form.begin(), form.end());
     const Finished done = run_pellucid(render(folder, more));
     EXPECT_EQ(done.code, 0) << done.err;
@@ -72,7 +72,7 @@ TEST(BudgetOptions, FormsDrawTheSame) {
 TEST(BudgetOptions, SweepsOfMemoryKnowOfSamples) {
   const Finished done =
       run_pellucid({"compare", samples().plain, "--techniques", "k-plus", "--sweep", "memory", "--samples",
-                    "4", "--size", "48x32", "--frames", "1", "--validate", "--json", "-"});
+                    "4", "--size", "48x32", "--frames", "1", "--validation-layers", "--json", "-"});
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(done.err, "");
   const nlohmann::json points = nlohmann::json::parse(done.out)["sweeps"][0]["points"];
@@ -86,11 +86,12 @@ TEST(BudgetOptions, WriteMapsAndReadAnImportanceImage) {
   ASSERT_EQ(run_pellucid(render(folder, {"--maps", maps})).code, 0);
   for (const char* name : {"importance", "k", "loss"})
     EXPECT_GT(slurp(maps + "/" + name + ".png").size(), 60U);
-  const Finished done = run_pellucid(
-      render(folder, {"--importance", "image", "--importance-image", maps + "/k.png", "--memory", "80KB"}));
+  const Finished done = run_pellucid(render(
+      folder, {"--importance", "image", "--importance-image", maps + "/k.png", "--device-memory", "80KB"}));
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(run_pellucid(render(folder, {"--importance", "image"})).code, 2);
-  EXPECT_EQ(run_pellucid(render(folder, {"--importance-image", samples().plain})).code, 3);
+  EXPECT_EQ(
+      run_pellucid(render(folder, {"--importance", "image", "--importance-image", samples().plain})).code, 3);
   EXPECT_EQ(run_pellucid({"render", samples().plain, "-o", folder.file("q.png"), "--maps", maps}).code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder.file("q.png")));
 }

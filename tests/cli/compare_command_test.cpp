@@ -12,7 +12,7 @@
 namespace pellucid::testing {
 namespace {
 
-TEST(CompareCommand, RefusesWhatMakesNoSense) {
+TEST(CompareCommand, RefusesValuesOutOfRange) {
   const TemporaryFolder folder;
   const std::string page = folder.file("r.html");
   for (const Arguments& bad :
@@ -45,9 +45,10 @@ TEST(CompareCommand, RefusesWhereItCannotWriteBeforeAnythingIsDrawn) {
 }
 
 #if defined(PELLUCID_WITH_RENDERER)
-// Few kernels, small pictures: the driver compiles each of them. What validation says would be on stderr.
+// Few kernels, small images: the driver compiles each of them. What validation says would be on stderr.
 Arguments quick(const Arguments& more) {
-  Arguments arguments{"compare", "--validate", "--plain-resolve", "--size", "96x64", "--frames", "2"};
+  Arguments arguments{"compare", "--validation-layers", "--plain-resolve", "--size", "96x64", "--frames",
+                      "2"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

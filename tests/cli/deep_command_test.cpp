@@ -1,4 +1,4 @@
-// All fragments of a picture from the command line.
+// All fragments of an image from the command line.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -42,7 +42,7 @@ TEST(DeepPixels, AreRefusedAsAFileInABuildWithoutOpenExr) {
 #endif
 
 #ifdef PELLUCID_WITH_OPENEXR
-TEST(DeepPixels, AreTheFragmentsOfThePicture) {
+TEST(DeepPixels, AreTheFragmentsOfTheImage) {
   const TemporaryFolder folder;
   const Finished done = run_pellucid(
       render(folder, "cpu", {"--pixel", "32,24", "--pixel", "0,0", "--deep", folder.file("d.exr")}));
@@ -57,7 +57,7 @@ TEST(DeepPixels, AreTheFragmentsOfThePicture) {
   // OpenEXR's own tool takes the file. (exrinfo 3.1 ends with any exit code.)
   EXPECT_EQ(std::system(("exrheader '" + folder.file("d.exr") + "' | grep -q deepscanline").c_str()), 0);
 #if defined(PELLUCID_WITH_RENDERER)
-  const Finished captured = run_pellucid(render(folder, "sb", {"--pixel", "32,24", "--validate"}));
+  const Finished captured = run_pellucid(render(folder, "sb", {"--pixel", "32,24", "--validation-layers"}));
   ASSERT_EQ(captured.code, 0) << captured.err;
   EXPECT_EQ(captured.err, "");
   const nlohmann::json same = nlohmann::json::parse(captured.out)["deep_pixels"][0]["fragments"];

@@ -13,17 +13,17 @@
 namespace pellucid {
 namespace {
 
-constexpr std::uint32_t kPictureSide = 40;
+constexpr std::uint32_t kImageSide = 40;
 // Sums of half floats.
 constexpr float kHalfRounding = 2e-3F;
 
 RenderResult draw_by(const std::string& technique, std::uint32_t k = 8, const Vec3f& background = {1, 1, 1}) {
   return testing::test_renderer().draw(
-      testing::unit_camera(kPictureSide, kPictureSide),
+      testing::unit_camera(kImageSide, kImageSide),
       {.technique = technique, .background = background, .k = k, .plain_resolve = true});
 }
 
-// Squares over the whole picture, one at each depth.
+// Squares over the whole image, one at each depth.
 RenderScene sheets(std::initializer_list<float> depths, float alpha) {
   RenderScene scene;
   for (const float depth : depths) {
@@ -65,12 +65,12 @@ TEST_P(Alternatives, OpaqueSurfacesHideWhatIsBehindThem) {
   EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by(GetParam().name)), kHalfRounding);
 }
 
-TEST_P(Alternatives, PicturesDependOnTheSequenceOnlyWhereTheySay) {
+TEST_P(Alternatives, ImagesDependOnTheDrawOrderOnlyWhereTheySay) {
   RenderScene scene = testing::random_stack(61, 90);
   testing::test_renderer().load(scene);
   const RenderResult straight = draw_by(GetParam().name);
   EXPECT_EQ(draw_by(GetParam().name).pixels, straight.pixels);
-  scene.sequence = shuffled_sequence(scene, 8);
+  scene.draw_order = shuffled_sequence(scene, 8);
   testing::test_renderer().load(scene);
   const float changed = testing::largest_difference(straight, draw_by(GetParam().name));
   if (GetParam().order_free) {
@@ -104,12 +104,12 @@ TEST_P(Alternatives, TakeTheBytesAndPassesOfTheirFormulas) {
     std::string formula = GetParam().bytes_formula;
     if (formula == "4 K + 12") formula = std::to_string(4 * k + 12);
     if (formula == "16 ceil((3 K + 7) / 4)") formula = std::to_string(16 * ((3 * k + 7 + 3) / 4));
-    EXPECT_EQ(std::to_string(stats.bytes / (kPictureSide * kPictureSide)), formula);
+    EXPECT_EQ(std::to_string(stats.bytes / (kImageSide * kImageSide)), formula);
     EXPECT_EQ(std::to_string(stats.geometry_passes), GetParam().passes_formula);
   }
 }
 
-TEST_P(Alternatives, PicturesInBandsAreTheSame) {
+TEST_P(Alternatives, ImagesInBandsAreTheSame) {
   RenderScene scene = testing::random_stack(63, 24);
   Renderer limited({.device = testing::test_renderer().info().name, .max_buffer_bytes = 8000});
   limited.load(scene);
@@ -188,7 +188,7 @@ TEST_F(OneAlternative, MultiLayerIsExactUpToFourFragments) {
   if (testing::test_renderer().info().ordered_attachments < 3) GTEST_SKIP() << "no ordered attachments";
   RenderScene scene = sheets({0.25F, 0.5F, 0.375F, 0.125F}, 0.4F);
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    scene.sequence = shuffled_sequence(scene, seed);
+    scene.draw_order = shuffled_sequence(scene, seed);
     testing::test_renderer().load(scene);
     EXPECT_LE(testing::largest_difference(draw_by("sb"), draw_by("mlab4")), kHalfRounding);
   }
@@ -210,7 +210,7 @@ TEST_F(OneAlternative, StochasticIsRightOnAverage) {
       sum += error;
       squares += error * error;
     }
-    const double pixels = kPictureSide * kPictureSide;
+    const double pixels = kImageSide * kImageSide;
     const double rms = std::sqrt(squares / pixels);
     EXPECT_LT(rms, 0.65 * last) << k;
     // Means of a ratio, which the alpha correction is, are off by a share of their variance.

@@ -1,6 +1,6 @@
-// `auto`: what it takes for which frame, that its pictures are those of what it took, and that it keeps to a
+// `auto`: what it takes for which frame, that its images are those of what it took, and that it keeps to a
 // budget.
-#include "render/automatic.h"
+#include "render/capture/automatic.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ namespace {
 
 using render::AutomaticDemand;
 using render::choose_technique;
+using render::DrawOrderHistory;
 using render::Repairs;
-using render::SequenceHistory;
 using ::testing::HasSubstr;
 using testing::kFoldRounding;
 using testing::largest_difference;
@@ -124,8 +124,8 @@ TEST(AutomaticChoice, WeighsTrianglesThatAreDrawnAgain) {
   EXPECT_LT(render::verified_by_lists(demand, {0.1, 0.1}), render::verified_by_lists(demand, {0.1, 0.2}));
 }
 
-TEST(SequenceHistory, AsksForATrialAfterSomeFrames) {
-  SequenceHistory history;
+TEST(DrawOrderHistory, AsksForATrialAfterSomeFrames) {
+  DrawOrderHistory history;
   EXPECT_FALSE(history.repairs());
   history.add_frame("verified", {0.75, 1});
   ASSERT_TRUE(history.repairs());
@@ -137,7 +137,7 @@ TEST(SequenceHistory, AsksForATrialAfterSomeFrames) {
   EXPECT_FALSE(history.repairs());
 }
 
-TEST(SequenceHistory, TellsWhatAFrameAdded) {
+TEST(DrawOrderHistory, TellsWhatAFrameAdded) {
   AutomaticDemand demand = demand_for(0);
   demand.covered = 200;
   CaptureStats before;
@@ -186,7 +186,7 @@ TEST(Automatic, LeavesASequenceThatIsWrongAndComesBackToSee) {
   Renderer& renderer = testing::test_renderer();
   const Camera camera = testing::unit_camera(40, 24);
   RenderScene scene = ordered_sheets();
-  scene.sequence = reversed(scene.triangles.size());
+  scene.draw_order = reversed(scene.triangles.size());
   renderer.load(scene);
   const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
   for (std::uint32_t frame = 0; frame < render::kFramesUntilTrial + 2; ++frame) {
@@ -196,7 +196,7 @@ TEST(Automatic, LeavesASequenceThatIsWrongAndComesBackToSee) {
     EXPECT_LE(largest_difference(exact, result), kFoldRounding);
   }
   // What was learned is of the scene that was loaded.
-  scene.sequence = {};
+  scene.draw_order = {};
   renderer.load(scene);
   EXPECT_EQ(renderer.draw(camera, {.technique = "auto"}).stats.chosen, "verified");
 }
@@ -215,8 +215,9 @@ TEST(Automatic, KeepsToEveryBudget) {
     const std::uint64_t suffices = 2 * exact.stats.bytes;
     for (std::uint64_t memory = suffices; memory >= suffices / 16; memory = memory * 15 / 16) {
       renderer.load(scene);
-      const RenderResult result =
-          renderer.draw(camera, {.technique = "auto", .samples = samples, .pool = 100, .memory = memory});
+      const RenderResult result = renderer.draw(
+          camera,
+          {.technique = "auto", .samples = samples, .pool = {.nodes = 100}, .budget = {.bytes = memory}});
       EXPECT_LE(result.stats.bytes, memory) << result.stats.chosen;
       EXPECT_LE(result.stats.captured, captured) << memory;
       captured = result.stats.captured;
@@ -237,8 +238,8 @@ TEST(Automatic, KeepsToABudgetWhereListsAreLong) {
   const Camera camera = testing::unit_camera(8, 8);
   renderer.load(testing::coplanar_squares(1400, 0.5F));
   const std::uint64_t needed =
-      renderer.draw(camera, {.technique = "k-plus", .memory = 100'000'000}).stats.bytes;
-  const RenderResult result = renderer.draw(camera, {.technique = "auto", .memory = 4 * needed});
+      renderer.draw(camera, {.technique = "k-plus", .budget = {.bytes = 100'000'000}}).stats.bytes;
+  const RenderResult result = renderer.draw(camera, {.technique = "auto", .budget = {.bytes = 4 * needed}});
   EXPECT_LE(result.stats.bytes, 4 * needed);
   EXPECT_EQ(result.stats.captured, result.stats.fragments);
   if (renderer.info().cpu) {
@@ -251,10 +252,10 @@ TEST(Automatic, CountsThePassThatItChoosesBy) {
   Renderer& renderer = testing::test_renderer();
   const Camera camera = testing::unit_camera(40, 24);
   RenderScene scene = ordered_sheets();
-  scene.sequence = reversed(scene.triangles.size());
+  scene.draw_order = reversed(scene.triangles.size());
   renderer.load(scene);
   const auto passes = [&](std::uint64_t memory) {
-    return renderer.draw(camera, {.technique = "auto", .memory = memory}).stats.geometry_passes;
+    return renderer.draw(camera, {.technique = "auto", .budget = {.bytes = memory}}).stats.geometry_passes;
   };
   passes(0);
   EXPECT_EQ(passes(0), 1U);
@@ -267,8 +268,8 @@ TEST(Automatic, IsExactInABudgetWhereThatIsAskedFor) {
   const Camera camera = testing::unit_camera(64, 48);
   renderer.load(testing::random_stack(3, 200));
   const RenderResult exact = renderer.draw(camera, {.technique = "sb"});
-  const RenderResult result =
-      renderer.draw(camera, {.technique = "auto", .overflow = Overflow::exact, .memory = 120'000});
+  const RenderResult result = renderer.draw(
+      camera, {.technique = "auto", .pool = {.overflow = Overflow::exact}, .budget = {.bytes = 120'000}});
   EXPECT_THAT(result.stats.chosen, HasSubstr("bounded"));
   EXPECT_LE(result.stats.bytes, 120'000U);
   EXPECT_EQ(result.stats.captured, exact.stats.captured);

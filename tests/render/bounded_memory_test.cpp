@@ -39,7 +39,7 @@ void expect_all(const RenderResult& result, const FragmentBuffer& all, const std
         << what << ", pixel " << p;
 }
 
-void expect_same_picture(const RenderResult& a, const RenderResult& b, float most, const std::string& what) {
+void expect_same_image(const RenderResult& a, const RenderResult& b, float most, const std::string& what) {
   ASSERT_EQ(a.pixels.size(), b.pixels.size());
   float largest = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i)
@@ -66,11 +66,12 @@ TEST_F(BoundedMemory, ExactInAnyPool) {
   for (const char* technique : {"sb", "ll", "bun-ll"}) {
     for (const std::uint64_t pool : {std::uint64_t{40}, std::uint64_t{700}, expected.stats.fragments - 1}) {
       if (pool == 40 && std::string(technique) != "sb") continue;  // long, and the same for all
-      const RenderResult result = draw(
-          scene, {.technique = technique, .pool = pool, .overflow = Overflow::exact, .keep_fragments = true});
+      const RenderResult result = draw(scene, {.technique = technique,
+                                               .pool = {.nodes = pool, .overflow = Overflow::exact},
+                                               .keep_fragments = true});
       const std::string what = std::string(technique) + " " + std::to_string(pool);
       expect_all(result, all, what);
-      expect_same_picture(result, expected, 1e-4F, what);
+      expect_same_image(result, expected, 1e-4F, what);
       EXPECT_TRUE(result.stats.pool_exceeded) << what;
       EXPECT_EQ(result.stats.coplanar, expected.stats.coplanar) << what;
       EXPECT_EQ(result.stats.coplanar_pixels, expected.stats.coplanar_pixels) << what;
@@ -83,8 +84,9 @@ TEST_F(BoundedMemory, ExactInAnyPool) {
 TEST_F(BoundedMemory, PoolThatSufficesIsUsedAsItIs) {
   const RenderScene scene = testing::random_stack(31, 60);
   const std::uint64_t fragments = draw(scene, {.technique = "sb", .plain_resolve = true}).stats.fragments;
-  const RenderResult result =
-      draw(scene, {.technique = "sb", .pool = fragments, .overflow = Overflow::exact, .plain_resolve = true});
+  const RenderResult result = draw(
+      scene,
+      {.technique = "sb", .pool = {.nodes = fragments, .overflow = Overflow::exact}, .plain_resolve = true});
   EXPECT_FALSE(result.stats.pool_exceeded);
   EXPECT_EQ(result.stats.rounds, 0U);
   EXPECT_EQ(result.stats.captured, fragments);
@@ -99,9 +101,11 @@ TEST_F(BoundedMemory, DeepPixels) {
     const FragmentBuffer all = testing::cpu_fragments(scene, testing::unit_camera(4, 4));
     ASSERT_EQ(all.pixel(0).size(), 300U);
     for (const std::uint64_t places : {10U, 17U}) {
-      const RenderResult result = draw(
-          scene,
-          {.technique = "sb", .pool = 16 * places, .overflow = Overflow::exact, .keep_fragments = true}, 4);
+      const RenderResult result = draw(scene,
+                                       {.technique = "sb",
+                                        .pool = {.nodes = 16 * places, .overflow = Overflow::exact},
+                                        .keep_fragments = true},
+                                       4);
       expect_all(result, all, std::to_string(places));
       EXPECT_EQ(result.stats.rounds, (300 + places - 1) / places);
     }
@@ -117,14 +121,14 @@ TEST_F(BoundedMemory, BudgetInBytesIsKept) {
   for (const std::uint64_t memory :
        {44ULL * 24 * 4 + 500, 44ULL * 24 * 24 + 3000, 44ULL * 24 * 24 + 100000}) {
     const RenderResult result =
-        draw(scene, {.technique = "bounded", .memory = memory, .keep_fragments = true});
+        draw(scene, {.technique = "bounded", .budget = {.bytes = memory}, .keep_fragments = true});
     expect_all(result, all, std::to_string(memory));
-    expect_same_picture(result, expected, 1e-4F, std::to_string(memory));
+    expect_same_image(result, expected, 1e-4F, std::to_string(memory));
     EXPECT_LE(result.stats.bytes, memory);
     rounds = result.stats.rounds;
   }
   EXPECT_EQ(rounds, 1U);
-  EXPECT_THROW(draw(scene, {.technique = "multikb", .memory = 44 * 24}), Error);
+  EXPECT_THROW(draw(scene, {.technique = "multikb", .budget = {.bytes = 44 * 24}}), Error);
 }
 
 TEST_F(BoundedMemory, AllEffectsGoOnFromRoundToRound) {
@@ -132,12 +136,12 @@ TEST_F(BoundedMemory, AllEffectsGoOnFromRoundToRound) {
   for (const NamedEffect& effect : render_effects()) {
     const RenderResult expected =
         draw(scene, {.technique = "sb", .effect = effect.effect, .plain_resolve = true});
-    const RenderResult result = draw(scene, {.technique = "sb",
-                                             .effect = effect.effect,
-                                             .pool = expected.stats.fragments / 3,
-                                             .overflow = Overflow::exact});
+    const RenderResult result =
+        draw(scene, {.technique = "sb",
+                     .effect = effect.effect,
+                     .pool = {.nodes = expected.stats.fragments / 3, .overflow = Overflow::exact}});
     EXPECT_GT(result.stats.rounds, 1U) << effect.name;
-    expect_same_picture(result, expected, 1e-4F, effect.name);
+    expect_same_image(result, expected, 1e-4F, effect.name);
   }
 }
 
@@ -145,7 +149,8 @@ TEST_F(BoundedMemory, NearestAreKeptAndTheRestIsCounted) {
   const RenderScene scene = testing::random_stack(33, 60);
   const FragmentBuffer all = testing::cpu_fragments(scene, testing::unit_camera(24, 24));
   for (const std::uint64_t pool : {50U, 1000U, 1500U}) {
-    const RenderResult result = draw(scene, {.technique = "ll", .pool = pool, .keep_fragments = true});
+    const RenderResult result =
+        draw(scene, {.technique = "ll", .pool = {.nodes = pool}, .keep_fragments = true});
     EXPECT_TRUE(result.stats.pool_exceeded);
     EXPECT_EQ(result.stats.captured, pool);
     EXPECT_EQ(result.stats.overflowed, all.fragments.size() - pool);
@@ -211,7 +216,7 @@ TEST_F(BoundedMemory, LostFragmentsAreSeenAsTheirAverage) {
     // Without places for all, one pixel of 16 has one, and only others are looked at.
     const std::uint64_t pool = places == 0 ? 1 : 16 * places;
     const RenderResult result =
-        draw(scene, {.technique = "sb", .background = {0.2F, 0.4F, 0.8F}, .pool = pool}, 4);
+        draw(scene, {.technique = "sb", .background = {0.2F, 0.4F, 0.8F}, .pool = {.nodes = pool}}, 4);
     const std::size_t pixel = places == 0 ? 3 : 0;
     EXPECT_LT(testing::difference(result.pixels[pixel], color), 2e-4F) << places;
   }
@@ -219,12 +224,12 @@ TEST_F(BoundedMemory, LostFragmentsAreSeenAsTheirAverage) {
 
 TEST_F(BoundedMemory, SequenceAndThreadsDoNotMatter) {
   RenderScene scene = testing::random_stack(34, 80);
-  const RenderOptions options{.technique = "sb", .pool = 800};
+  const RenderOptions options{.technique = "sb", .pool = {.nodes = 800}};
   const RenderResult straight = draw(scene, options);
   Random random(7);
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.push_back(i);
-  for (std::size_t i = scene.sequence.size(); i > 1; --i)
-    std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.draw_order.push_back(i);
+  for (std::size_t i = scene.draw_order.size(); i > 1; --i)
+    std::swap(scene.draw_order[i - 1], scene.draw_order[random.below(i)]);
   const RenderResult shuffled = draw(scene, options);
   EXPECT_EQ(straight.pixels, shuffled.pixels);
   EXPECT_EQ(straight.stats.captured, shuffled.stats.captured);
@@ -241,12 +246,14 @@ TEST_F(BoundedMemory, SequenceAndThreadsDoNotMatter) {
 TEST_F(BoundedMemory, Samples) {
   const RenderScene scene = testing::random_stack(35, 40);
   const RenderResult expected = draw(scene, {.technique = "sb", .samples = 4, .plain_resolve = true}, 12);
-  const RenderResult result = draw(
-      scene,
-      {.technique = "sb", .samples = 4, .pool = expected.stats.fragments / 2, .overflow = Overflow::exact},
-      12);
+  const RenderResult result =
+      draw(scene,
+           {.technique = "sb",
+            .samples = 4,
+            .pool = {.nodes = expected.stats.fragments / 2, .overflow = Overflow::exact}},
+           12);
   EXPECT_EQ(result.stats.captured, expected.stats.captured);
-  expect_same_picture(result, expected, 1e-4F, "4 samples");
+  expect_same_image(result, expected, 1e-4F, "4 samples");
 }
 
 // Pools have no more nodes than there are fragments, whatever is asked for.
@@ -258,7 +265,7 @@ TEST_F(BoundedMemory, HugePoolsAreNoLargerThanNeeded) {
     const RenderResult expected = renderer.draw(camera, {.technique = technique});
     for (const unsigned bits : {32U, 60U, 62U}) {
       const RenderResult result =
-          renderer.draw(camera, {.technique = technique, .pool = std::uint64_t{1} << bits});
+          renderer.draw(camera, {.technique = technique, .pool = {.nodes = std::uint64_t{1} << bits}});
       EXPECT_EQ(result.stats.captured, expected.stats.captured) << technique << " " << bits;
       EXPECT_EQ(result.stats.bytes, expected.stats.bytes) << technique << " " << bits;
     }
@@ -274,8 +281,8 @@ TEST_F(BoundedMemory, ATailOfManyOpaqueFragmentsIsNoHole) {
     surface.color = {0.1F, 0.1F, 0.1F};
   }
   renderer.load(scene);
-  const RenderResult result =
-      renderer.draw(testing::unit_camera(4, 4), {.technique = "sb", .background = {9, 9, 9}, .pool = 1});
+  const RenderResult result = renderer.draw(
+      testing::unit_camera(4, 4), {.technique = "sb", .background = {9, 9, 9}, .pool = {.nodes = 1}});
   EXPECT_EQ(result.stats.overflowed, 256U * 16 - 1);
   for (const Vec3f& pixel : result.pixels) EXPECT_LT(pixel.x, 0.5F);
 }

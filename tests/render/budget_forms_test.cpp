@@ -11,7 +11,7 @@
 namespace pellucid {
 namespace {
 
-using testing::BudgetPicture;
+using testing::BudgetImage;
 
 constexpr std::uint64_t kFormPixels = testing::kBudgetSide * testing::kBudgetSide;
 constexpr std::uint32_t kNeverAHeap = 1'000'000;
@@ -37,22 +37,23 @@ class BudgetForms : public ::testing::TestWithParam<Form> {
     if (missing.empty()) missing = missing_for(GetParam().sync, device);
     if (!missing.empty()) GTEST_SKIP() << "this device has no " << missing;
     options_.technique = GetParam().technique;
-    options_.sync = GetParam().sync;
-    options_.heap_from = GetParam().heap_from;
-    options_.maps = true;
+    options_.k_buffer.sync = GetParam().sync;
+    options_.k_buffer.heap_from = GetParam().heap_from;
+    options_.budget.maps = true;
     options_.keep_fragments = true;
   }
   void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
 
-  BudgetPicture draw(const RenderScene& scene, std::uint64_t memory) {
-    options_.memory = memory;
+  BudgetImage draw(const RenderScene& scene, std::uint64_t memory) {
+    options_.budget.bytes = memory;
     return testing::draw_budget(scene, options_);
   }
   // The chain of 64-bit minima with the same k.
-  BudgetPicture draw_chain(const RenderScene& scene, const BudgetPicture& drawn) {
+  BudgetImage draw_chain(const RenderScene& scene, const BudgetImage& drawn) {
     RenderOptions chain = options_;
-    chain.sync = Sync::atomics;
-    if (is_ordered()) chain.memory = 8 * (drawn.result.stats.k_most.value() + tail_slots()) * kFormPixels;
+    chain.k_buffer.sync = Sync::atomics;
+    if (is_ordered())
+      chain.budget.bytes = 8 * (drawn.result.stats.k_most.value() + tail_slots()) * kFormPixels;
     return testing::draw_budget(scene, chain);
   }
   static bool is_ordered() { return GetParam().sync == Sync::ordered; }
@@ -68,7 +69,7 @@ class BudgetForms : public ::testing::TestWithParam<Form> {
 TEST_P(BudgetForms, KeepTheNearestWithinTheBytes) {
   const RenderScene scene = testing::random_stack(41, 220);
   for (const std::uint64_t bytes_of_a_pixel : {33U, 90U}) {
-    const BudgetPicture drawn = draw(scene, bytes_of_a_pixel * kFormPixels);
+    const BudgetImage drawn = draw(scene, bytes_of_a_pixel * kFormPixels);
     testing::expect_nearest(drawn);
     EXPECT_EQ(drawn.result.stats.sync, GetParam().sync);
     EXPECT_EQ(drawn.result.stats.geometry_passes, passes());
@@ -79,13 +80,13 @@ TEST_P(BudgetForms, KeepTheNearestWithinTheBytes) {
 }
 
 // Tails in attachments are summed up in finer units.
-TEST_P(BudgetForms, DrawThePictureOfTheChain) {
+TEST_P(BudgetForms, DrawTheImageOfTheChain) {
   if (!testing::test_renderer().info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
   const RenderScene scene = testing::random_stack(46, 150);
   for (const Effect effect : {Effect::transparency, Effect::wireframe}) {
     options_.effect = effect;
-    const BudgetPicture drawn = draw(scene, 48 * kFormPixels);
-    const BudgetPicture chain = draw_chain(scene, drawn);
+    const BudgetImage drawn = draw(scene, 48 * kFormPixels);
+    const BudgetImage chain = draw_chain(scene, drawn);
     EXPECT_EQ(drawn.result.maps.k, chain.result.maps.k);
     EXPECT_EQ(drawn.result.stats.coplanar, chain.result.stats.coplanar);
     float largest = 0;
@@ -109,9 +110,9 @@ TEST_P(BudgetForms, FragmentsAtOneDepthAreKeptByTheirIds) {
   RenderScene scene =
       testing::joined(testing::coplanar_squares(5, 0.5F), testing::coplanar_squares(4, 0.25F));
   for (const bool reversed : {false, true}) {
-    scene.sequence.resize(scene.triangles.size());
-    std::iota(scene.sequence.begin(), scene.sequence.end(), 0U);
-    if (reversed) std::reverse(scene.sequence.begin(), scene.sequence.end());
+    scene.draw_order.resize(scene.triangles.size());
+    std::iota(scene.draw_order.begin(), scene.draw_order.end(), 0U);
+    if (reversed) std::reverse(scene.draw_order.begin(), scene.draw_order.end());
     for (const std::uint64_t slots : {3U, 5U, 7U})
       testing::expect_nearest(draw(scene, (8 * slots + 5) * kFormPixels));
   }
@@ -119,18 +120,18 @@ TEST_P(BudgetForms, FragmentsAtOneDepthAreKeptByTheirIds) {
 
 TEST_P(BudgetForms, SequenceOfDrawingDoesNotMatter) {
   RenderScene scene = testing::random_stack(43, 120);
-  const BudgetPicture straight = draw(scene, 40 * kFormPixels);
-  scene.sequence.resize(scene.triangles.size());
-  std::iota(scene.sequence.begin(), scene.sequence.end(), 0U);
+  const BudgetImage straight = draw(scene, 40 * kFormPixels);
+  scene.draw_order.resize(scene.triangles.size());
+  std::iota(scene.draw_order.begin(), scene.draw_order.end(), 0U);
   Random random(9);
-  for (std::size_t i = scene.sequence.size(); i > 1; --i)
-    std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
-  const BudgetPicture shuffled = draw(scene, 40 * kFormPixels);
+  for (std::size_t i = scene.draw_order.size(); i > 1; --i)
+    std::swap(scene.draw_order[i - 1], scene.draw_order[random.below(i)]);
+  const BudgetImage shuffled = draw(scene, 40 * kFormPixels);
   EXPECT_EQ(straight.result.pixels, shuffled.result.pixels);
   EXPECT_EQ(straight.result.maps.k, shuffled.result.maps.k);
 }
 
-// From tails of blocks on, in a picture whose rows are no multiple of anything.
+// From tails of blocks on, in a image whose rows are no multiple of anything.
 TEST_P(BudgetForms, AnyNumberOfBytesIsKept) {
   const RenderScene scene = testing::random_stack(47, 60);
   testing::test_renderer().load(scene);
@@ -139,7 +140,7 @@ TEST_P(BudgetForms, AnyNumberOfBytesIsKept) {
   std::uint64_t kept = 0;
   for (const std::uint64_t memory :
        {std::uint64_t{16}, std::uint64_t{300}, 9 * pixels, 17 * pixels, 33 * pixels, 140 * pixels}) {
-    options_.memory = memory;
+    options_.budget.bytes = memory;
     const RenderResult drawn = testing::test_renderer().draw(camera, options_);
     EXPECT_LE(drawn.stats.bytes, memory);
     EXPECT_GE(drawn.stats.captured, kept) << memory;
@@ -153,9 +154,9 @@ TEST_P(BudgetForms, EachSampleIsAPixelOfItsOwn) {
   testing::test_renderer().load(scene);
   const std::uint32_t side = 16;
   options_.samples = 4;
-  options_.memory = std::uint64_t{4} * side * side * 40;
+  options_.budget.bytes = std::uint64_t{4} * side * side * 40;
   const RenderResult drawn = testing::test_renderer().draw(testing::unit_camera(side, side), options_);
-  EXPECT_LE(drawn.stats.bytes, options_.memory);
+  EXPECT_LE(drawn.stats.bytes, options_.budget.bytes);
   const FragmentBuffer oracle = testing::cpu_fragments(scene, testing::unit_camera(4 * side, 4 * side));
   constexpr std::array<std::array<std::uint32_t, 2>, 4> kPlaces{{{1, 0}, {3, 1}, {0, 2}, {2, 3}}};
   for (std::uint32_t p = 0; p < side * side; ++p) {
@@ -193,12 +194,10 @@ class BudgetForm : public ::testing::Test {
 
 // What never gets the lock is counted, and seen in the tail; where all have a slot nobody needs it.
 TEST_F(BudgetForm, FragmentsWithoutTheLockGoToTheTail) {
-  const BudgetPicture drawn =
-      testing::draw_budget(testing::random_stack(41, 220), {.technique = "k-plus",
-                                                            .sync = Sync::spinlock,
-                                                            .lock_turns = 0,
-                                                            .memory = 40 * kFormPixels,
-                                                            .maps = true});
+  const BudgetImage drawn = testing::draw_budget(testing::random_stack(41, 220),
+                                                 {.technique = "k-plus",
+                                                  .budget = {.bytes = 40 * kFormPixels, .maps = true},
+                                                  .k_buffer = {.sync = Sync::spinlock, .lock_turns = 0}});
   std::uint64_t outside = 0;
   for (std::size_t p = 0; p < drawn.pixels(); ++p)
     if (drawn.result.maps.k[p] < drawn.n(p)) outside += drawn.n(p);
@@ -221,18 +220,20 @@ TEST_F(BudgetForm, OthersAreRefused) {
     }
     return "";
   };
-  EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::spinlock}),
+  EXPECT_THAT(refusal({.technique = "kb", .k_buffer = {.sync = Sync::spinlock}}),
               ::testing::HasSubstr("kb has only ordered, interlock, atomics"));
-  EXPECT_THAT(refusal({.technique = "fixed-k", .sync = Sync::spinlock}),
+  EXPECT_THAT(refusal({.technique = "fixed-k", .k_buffer = {.sync = Sync::spinlock}}),
               ::testing::HasSubstr("has only atomics, atomics32, ordered"));
-  EXPECT_THAT(refusal({.technique = "hybrid", .k = 64, .sync = Sync::ordered}),
-              ::testing::HasSubstr("attachments for --k 64"));
+  EXPECT_THAT(refusal({.technique = "hybrid", .k = 64, .k_buffer = {.sync = Sync::ordered}}),
+              ::testing::HasSubstr("attachments for k = 64"));
   // One invocation sorts what is kept of a pixel.
   renderer.load(testing::coplanar_squares(2100, 0.5F));
-  EXPECT_EQ(refusal({.technique = "k-plus", .sync = Sync::spinlock}), "");
+  EXPECT_EQ(refusal({.technique = "k-plus", .k_buffer = {.sync = Sync::spinlock}}), "");
   if (renderer.info().cpu) {
-    EXPECT_THAT(refusal({.technique = "k-plus", .sync = Sync::spinlock, .memory = 2'000'000}),
-                ::testing::HasSubstr("2048"));
+    EXPECT_THAT(
+        refusal(
+            {.technique = "k-plus", .budget = {.bytes = 2'000'000}, .k_buffer = {.sync = Sync::spinlock}}),
+        ::testing::HasSubstr("2048"));
   }
 }
 
@@ -251,9 +252,12 @@ TEST_F(BudgetForm, HybridKeepsKWhereNoBudgetIsGiven) {
   for (const Sync sync : {Sync::atomics, Sync::ordered}) {
     if (!missing_for(sync, testing::test_renderer().info()).empty()) continue;
     for (const std::uint32_t k : {1U, 6U}) {
-      const BudgetPicture drawn = testing::draw_budget(
-          testing::random_stack(41, 220),
-          {.technique = "hybrid", .k = k, .sync = sync, .maps = true, .keep_fragments = true});
+      const BudgetImage drawn =
+          testing::draw_budget(testing::random_stack(41, 220), {.technique = "hybrid",
+                                                                .k = k,
+                                                                .budget = {.maps = true},
+                                                                .k_buffer = {.sync = sync},
+                                                                .keep_fragments = true});
       testing::expect_nearest(drawn);
       EXPECT_EQ(drawn.result.stats.k_least, k);
       EXPECT_EQ(drawn.result.stats.k_most, k);
@@ -282,8 +286,8 @@ TEST_F(BudgetForm, HybridIsTheFormulaOfThePaper) {
   renderer.load(scene);
   for (const Sync sync : {Sync::atomics, Sync::atomics32, Sync::ordered}) {
     if (!missing_for(sync, renderer.info()).empty()) continue;
-    const RenderResult drawn =
-        renderer.draw(camera, {.technique = "hybrid", .background = {0, 0, 0}, .k = 1, .sync = sync});
+    const RenderResult drawn = renderer.draw(
+        camera, {.technique = "hybrid", .background = {0, 0, 0}, .k = 1, .k_buffer = {.sync = sync}});
     Vec3f sum{0, 0, 0};
     float weights = 0;
     float light = 1;

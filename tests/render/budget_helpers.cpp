@@ -2,13 +2,13 @@
 
 namespace pellucid::testing {
 
-BudgetPicture draw_budget(const RenderScene& scene, const RenderOptions& options) {
+BudgetImage draw_budget(const RenderScene& scene, const RenderOptions& options) {
   const Camera camera = unit_camera(kBudgetSide, kBudgetSide);
   test_renderer().load(scene);
   return {cpu_fragments(scene, camera), test_renderer().draw(camera, options)};
 }
 
-void expect_nearest(const BudgetPicture& drawn) {
+void expect_nearest(const BudgetImage& drawn) {
   std::uint64_t kept = 0;
   std::size_t wrong = 0;
   for (std::size_t p = 0; p < drawn.pixels(); ++p) {
@@ -22,7 +22,7 @@ void expect_nearest(const BudgetPicture& drawn) {
   EXPECT_EQ(drawn.result.stats.captured, kept);
 }
 
-void expect_no_holes(const BudgetPicture& drawn) {
+void expect_no_holes(const BudgetImage& drawn) {
   std::size_t holes = 0;
   for (std::size_t p = 0; p < drawn.pixels(); ++p)
     if (drawn.n(p) > 0 && drawn.result.pixels[p] == Vec3f{1, 1, 1}) ++holes;

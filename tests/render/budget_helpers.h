@@ -8,10 +8,10 @@
 
 namespace pellucid::testing {
 
-constexpr std::uint32_t kBudgetSide = 48;  // of the picture
+constexpr std::uint32_t kBudgetSide = 48;  // of the image
 
-// A picture with maps and fragments, and all fragments there are.
-struct BudgetPicture {
+// A image with maps and fragments, and all fragments there are.
+struct BudgetImage {
   FragmentBuffer oracle;
   RenderResult result;
 
@@ -28,10 +28,10 @@ struct BudgetPicture {
   }
 };
 
-BudgetPicture draw_budget(const RenderScene& scene, const RenderOptions& options);
+BudgetImage draw_budget(const RenderScene& scene, const RenderOptions& options);
 // Of each pixel the k(p) nearest by depth and id.
-void expect_nearest(const BudgetPicture& drawn);
+void expect_nearest(const BudgetImage& drawn);
 // Where there are fragments something is seen.
-void expect_no_holes(const BudgetPicture& drawn);
+void expect_no_holes(const BudgetImage& drawn);
 
 }  // namespace pellucid::testing

@@ -11,7 +11,7 @@
 namespace pellucid {
 namespace {
 
-using Drawn = testing::BudgetPicture;
+using Drawn = testing::BudgetImage;
 using testing::expect_nearest;
 using testing::expect_no_holes;
 constexpr std::uint32_t kSide = testing::kBudgetSide;
@@ -27,14 +27,14 @@ class Budget : public ::testing::TestWithParam<std::string> {
   void SetUp() override {
     if (!testing::test_renderer().info().atomics64) GTEST_SKIP() << "this device has no 64-bit atomics";
     options_.technique = GetParam();
-    options_.maps = true;
+    options_.budget.maps = true;
     options_.keep_fragments = true;
   }
   void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
 
   Drawn draw(std::uint64_t memory) { return draw(testing::random_stack(41, 220), memory); }
   Drawn draw(const RenderScene& scene, std::uint64_t memory) {
-    options_.memory = memory;
+    options_.budget.bytes = memory;
     return testing::draw_budget(scene, options_);
   }
 
@@ -66,7 +66,7 @@ TEST_P(Budget, MoreBytesNeverLoseMore) {
 
 // From blocks of pixels to a slot for each, and on to what else is surveyed.
 TEST_P(Budget, MoreBytesNeverLoseMoreWhereTheSurveyBeginsToFit) {
-  options_.maps = false;
+  options_.budget.maps = false;
   options_.keep_fragments = false;
   std::uint64_t kept = 0;
   for (std::uint64_t memory = 7U * kSide * kSide; memory < 15U * kSide * kSide; memory += kSide * kSide / 3) {
@@ -77,7 +77,7 @@ TEST_P(Budget, MoreBytesNeverLoseMoreWhereTheSurveyBeginsToFit) {
 }
 
 // Fixed point and the sequence of blending are all that may differ.
-TEST_P(Budget, EnoughBytesGiveTheExactPicture) {
+TEST_P(Budget, EnoughBytesGiveTheExactImage) {
   const Drawn drawn = draw(4'000'000);
   RenderOptions exact;
   exact.plain_resolve = true;
@@ -162,10 +162,10 @@ TEST_P(Budget, TailsOfManyOpaqueFragmentsAreOpaque) {
 TEST_P(Budget, SequenceOfDrawingDoesNotMatter) {
   RenderScene scene = testing::random_stack(43, 90);
   for (const std::uint64_t memory : {100U, 3000U, 30U * kSide * kSide}) {
-    scene.sequence.clear();
+    scene.draw_order.clear();
     const Drawn straight = draw(scene, memory);
     for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
-      scene.sequence.insert(scene.sequence.begin(), i);
+      scene.draw_order.insert(scene.draw_order.begin(), i);
     const Drawn reversed = draw(scene, memory);
     EXPECT_EQ(straight.result.pixels, reversed.result.pixels) << memory;
     EXPECT_EQ(straight.result.maps.k, reversed.result.maps.k) << memory;
@@ -176,7 +176,8 @@ TEST_P(Budget, CoplanarFragmentsKeepTheirColors) {
   RenderScene scene =
       testing::joined(testing::coplanar_squares(9, 0.25F), testing::coplanar_squares(9, 0.5F));
   // From the last id to the first: none finds its slot at once.
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.insert(scene.sequence.begin(), i);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
+    scene.draw_order.insert(scene.draw_order.begin(), i);
   const Drawn drawn = draw(scene, 8U * 19 * kSide * kSide + 20'000);
   expect_nearest(drawn);
   const RenderResult expected =
@@ -187,7 +188,7 @@ TEST_P(Budget, CoplanarFragmentsKeepTheirColors) {
 
 TEST_P(Budget, LessThanATailIsAnError) {
   testing::test_renderer().load(testing::coplanar_squares(1, 0.5F));
-  options_.memory = 15;
+  options_.budget.bytes = 15;
   EXPECT_THROW(testing::test_renderer().draw(testing::unit_camera(8, 8), options_), Error);
 }
 
@@ -234,7 +235,7 @@ TEST_P(GivenOut, KPlusIsTheLargestThatFits) {
 TEST_P(GivenOut, WaterUsesEverySlot) {
   for (const std::vector<ImportanceTerm>& terms :
        {std::vector<ImportanceTerm>{}, {ImportanceTerm::opacity}, {ImportanceTerm::complexity}}) {
-    options_.importance.terms = terms;
+    options_.budget.importance.terms = terms;
     for (const std::uint64_t bytes_of_a_pixel : {20U, 25U, 45U}) {
       const std::uint64_t memory = bytes_of_a_pixel * kSide * kSide;
       const Drawn drawn = draw(memory);
@@ -256,8 +257,8 @@ TEST_P(GivenOut, WaterUsesEverySlot) {
 }
 
 TEST_P(GivenOut, PrintedIsTheFormulaOfThePaper) {
-  options_.allocation = Allocation::printed;
-  options_.importance.terms = {ImportanceTerm::complexity, ImportanceTerm::periphery};
+  options_.budget.allocation = Allocation::printed;
+  options_.budget.importance.terms = {ImportanceTerm::complexity, ImportanceTerm::periphery};
   const std::uint64_t memory = 100U * kSide * kSide;
   const Drawn drawn = draw(memory);
   double sum = 0;
@@ -277,17 +278,17 @@ TEST_P(GivenOut, PrintedIsTheFormulaOfThePaper) {
 TEST_P(GivenOut, TermsOfImportance) {
   const std::uint64_t memory = 60U * kSide * kSide;
   const auto importance_by = [&](const std::vector<ImportanceTerm>& terms) {
-    options_.importance.terms = terms;
+    options_.budget.importance.terms = terms;
     return draw(memory);
   };
-  const double alpha = options_.importance.alpha;
-  options_.importance.noise = 0;
+  const double alpha = options_.budget.importance.alpha;
+  options_.budget.importance.noise = 0;
   const Drawn complexity = importance_by({ImportanceTerm::complexity});
-  options_.importance.focus_x = 0.25;
-  options_.importance.focus_y = 1.5;
+  options_.budget.importance.focus_x = 0.25;
+  options_.budget.importance.focus_y = 1.5;
   const Drawn both = importance_by({ImportanceTerm::complexity, ImportanceTerm::periphery});
   const Drawn face_on = importance_by({ImportanceTerm::fresnel});
-  options_.importance.image = {2, 1, {51, 255}};
+  options_.budget.importance.image = {2, 1, {51, 255}};
   const Drawn image = importance_by({ImportanceTerm::image});
   for (std::size_t p = 0; p < complexity.pixels(); ++p) {
     const auto n = static_cast<double>(complexity.n(p));
@@ -309,8 +310,8 @@ TEST_P(GivenOut, FresnelIsOfTheNearestSurface) {
   // Steep in front of one that is seen head-on.
   RenderScene steep = testing::coplanar_squares(1, 0);
   for (Vec3f& p : steep.positions) p = {p.x / 8, p.y, p.x / 2};
-  options_.importance.terms = {ImportanceTerm::fresnel};
-  options_.importance.noise = 0;
+  options_.budget.importance.terms = {ImportanceTerm::fresnel};
+  options_.budget.importance.noise = 0;
   const Drawn drawn = draw(testing::joined(testing::coplanar_squares(1, 0.75F), steep), 60U * kSide * kSide);
   const double steep_importance = 1 - 0.5 * std::pow(1 - 1 / std::sqrt(17.0), 5);
   for (std::size_t p = 0; p < drawn.pixels(); ++p) {
@@ -337,15 +338,15 @@ TEST_P(GivenOut, WhatALevelLeavesIsSpread) {
 
 // The first frame is drawn twice, and each goes by what the last one left.
 TEST_P(GivenOut, ResidueIsOfTheLastFrame) {
-  options_.importance.terms = {ImportanceTerm::residue};
+  options_.budget.importance.terms = {ImportanceTerm::residue};
   options_.keep_fragments = false;
-  options_.memory = 30U * kSide * kSide;
+  options_.budget.bytes = 30U * kSide * kSide;
   testing::test_renderer().load(testing::random_stack(44, 220));
   const Camera camera = testing::unit_camera(kSide, kSide);
   const auto next = [&] { return testing::test_renderer().draw(camera, options_); };
   const RenderResult first = next();
   EXPECT_EQ(first.stats.geometry_passes, 7U);
-  EXPECT_LE(first.stats.bytes, options_.memory);
+  EXPECT_LE(first.stats.bytes, options_.budget.bytes);
   EXPECT_LT(first.stats.captured, first.stats.fragments);
   const RenderResult second = next();
   EXPECT_EQ(second.stats.geometry_passes, 4U);

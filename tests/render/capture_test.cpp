@@ -91,12 +91,12 @@ TEST_P(Capture, RandomStacksOfCoplanarTriangles) {
   }
 }
 
-TEST_P(Capture, PicturesOfOddSize) {
+TEST_P(Capture, ImagesOfOddSize) {
   expect_as_oracle(testing::random_stack(4, 30), testing::unit_camera(37, 37));
 }
 
 // A triangle that covers a whole tile of a CPU driver may not undo what was stored before.
-TEST_P(Capture, TrianglesOverTheWholePicture) {
+TEST_P(Capture, TrianglesOverTheWholeImage) {
   expect_as_oracle(testing::joined(testing::coplanar_squares(5, 0.5F), testing::coplanar_squares(2, 0.25F)),
                    testing::unit_camera(128, 128));
 }
@@ -131,15 +131,15 @@ TEST_P(Capture, DeepPixels) {
 }
 
 // What is drawn does not depend on the sequence in which it is drawn.
-TEST_P(Capture, ShuffledTrianglesGiveTheSamePicture) {
+TEST_P(Capture, ShuffledTrianglesGiveTheSameImage) {
   if (!info_.order_free) GTEST_SKIP() << "captures what is drawn first";
   RenderScene scene = testing::random_stack(5, 80);
   const Camera camera = testing::unit_camera(48, 48);
   const RenderResult straight = draw(scene, camera);
   Random random(7);
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.push_back(i);
-  for (std::size_t i = scene.sequence.size(); i > 1; --i)
-    std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.draw_order.push_back(i);
+  for (std::size_t i = scene.draw_order.size(); i > 1; --i)
+    std::swap(scene.draw_order[i - 1], scene.draw_order[random.below(i)]);
   const RenderResult shuffled = draw(scene, camera);
   EXPECT_EQ(straight.pixels, shuffled.pixels);
 }
@@ -219,8 +219,8 @@ TEST_F(Bounded, AdaptiveBucketsKeepAllDistinctDepthsOfAPixelWithFewOfThem) {
   EXPECT_LT(testing::test_renderer().draw(testing::unit_camera(8, 8), options).stats.captured_share(), 1.0);
 }
 
-// Without statistics kernels leave a pixel where nothing behind can be seen: the same picture.
-TEST_F(Bounded, PicturesWithoutStatisticsAreTheSame) {
+// Without statistics kernels leave a pixel where nothing behind can be seen: the same image.
+TEST_F(Bounded, ImagesWithoutStatisticsAreTheSame) {
   testing::test_renderer().load(deep_stack(75));
   for (const char* technique : {"sb", "ll"}) {
     RenderOptions options;
@@ -253,7 +253,8 @@ TEST_F(Bounded, BlendingIsRightInTheRightSequenceOnly) {
     return largest;
   };
   EXPECT_LT(largest_error(), 1e-4F);
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.insert(scene.sequence.begin(), i);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
+    scene.draw_order.insert(scene.draw_order.begin(), i);
   EXPECT_GT(largest_error(), 1e-2F);
 }
 
@@ -270,7 +271,7 @@ TEST_F(Bounded, PoolThatIsTooSmallIsToldOf) {
   for (const char* technique : {"sb", "ll", "bun-ll"}) {
     RenderOptions options;
     options.technique = technique;
-    options.pool = 100;
+    options.pool.nodes = 100;
     options.plain_resolve = true;
     const CaptureStats stats = testing::test_renderer().draw(testing::unit_camera(32, 32), options).stats;
     EXPECT_EQ(stats.captured, 100U) << technique;

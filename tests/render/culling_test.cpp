@@ -9,7 +9,7 @@ namespace pellucid {
 namespace {
 
 std::vector<std::string> culling_techniques() {
-  return testing::techniques_that([](const TechniqueInfo& info) { return info.can_cull; });
+  return testing::techniques_that([](const TechniqueInfo& info) { return info.uses(OptionGroup::culling); });
 }
 
 class Culling : public ::testing::TestWithParam<std::string> {
@@ -31,7 +31,7 @@ class Culling : public ::testing::TestWithParam<std::string> {
     renderer.load(scene);
     RenderOptions options{.technique = GetParam(), .k = 2, .keep_fragments = true};
     const RenderResult all = renderer.draw(camera, options);
-    options.cull = true;
+    options.peeling.cull = true;
     const RenderResult culled = renderer.draw(camera, options);
     EXPECT_EQ(all.pixels, culled.pixels) << GetParam();
     EXPECT_EQ(all.stats.rounds, culled.stats.rounds) << GetParam();
@@ -77,7 +77,8 @@ TEST_P(Culling, CoplanarTrianglesAreResumed) {
 TEST(CullingOption, IsForTechniquesThatPeel) {
   Renderer& renderer = testing::test_renderer();
   renderer.load(testing::coplanar_squares(1, 0.5F));
-  EXPECT_THROW(renderer.draw(testing::unit_camera(4, 4), {.technique = "sb", .cull = true}), Error);
+  EXPECT_THROW(renderer.draw(testing::unit_camera(4, 4), {.technique = "sb", .peeling = {.cull = true}}),
+               Error);
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Culling, ::testing::ValuesIn(culling_techniques()),

@@ -47,7 +47,7 @@ TEST(Device, SceneThatDoesNotFitTogetherIsRefused) {
   scene.triangles[1][2] = 99;
   EXPECT_THROW(testing::test_renderer().load(scene), Error);
   scene = testing::coplanar_squares(1, 0.5F);
-  scene.sequence = {0, 0};
+  scene.draw_order = {0, 0};
   EXPECT_THROW(testing::test_renderer().load(scene), Error);
 }
 

@@ -1,4 +1,4 @@
-// Pictures: every technique that captures all fragments draws what the S-buffer draws, whatever the effect.
+// Images: every technique that captures all fragments draws what the S-buffer draws, whatever the effect.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ float tolerance(Effect effect) {
 }
 
 // All with the same k: it is a constant of the kernels, and compiling is most of what these tests take.
-class Pictures : public ::testing::TestWithParam<std::string> {
+class Images : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     const auto infos = render_techniques();
@@ -56,7 +56,7 @@ class Pictures : public ::testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(Pictures, OfRandomStacks) {
+TEST_P(Images, OfRandomStacks) {
   testing::test_renderer().load(testing::random_stack(11, 60));
   for (const NamedEffect& effect : render_effects()) {
     // Open surfaces have no inside that a ray could come to from both ends.
@@ -66,7 +66,7 @@ TEST_P(Pictures, OfRandomStacks) {
   }
 }
 
-TEST_P(Pictures, OfOverlappingBoxes) {
+TEST_P(Images, OfOverlappingBoxes) {
   for (const std::uint64_t seed : {1U, 2U}) {
     testing::test_renderer().load(testing::random_boxes(seed, 20, 5));
     for (const NamedEffect& effect : render_effects()) {
@@ -75,7 +75,7 @@ TEST_P(Pictures, OfOverlappingBoxes) {
   }
 }
 
-TEST_P(Pictures, OfAllBooleanOperations) {
+TEST_P(Images, OfAllBooleanOperations) {
   for (const std::uint64_t seed : {3U, 4U, 5U, 6U}) {
     testing::test_renderer().load(testing::random_boxes(seed, 8, 3));
     for (const CsgOperation csg :
@@ -87,7 +87,7 @@ TEST_P(Pictures, OfAllBooleanOperations) {
 
 // The surface lies in the rear half, in a group of coplanar faces of different colours: techniques that come
 // from behind have to choose the same one.
-TEST_P(Pictures, OfAnIntersectionFarBehind) {
+TEST_P(Images, OfAnIntersectionFarBehind) {
   RenderScene scene = testing::closed_box({0, 0, 0.125F}, {1, 1, 0.25F});
   for (const auto& [near, far] : {std::pair{0.375F, 0.5F}, {0.625F, 0.75F}, {0.625F, 0.75F}}) {
     scene = testing::joined(scene, testing::closed_box({0, 0, near}, {1, 1, far}));
@@ -101,7 +101,7 @@ TEST_P(Pictures, OfAnIntersectionFarBehind) {
 }
 
 // Depths that are anything but dyadic: all passes of a technique have to get the same ones.
-TEST_P(Pictures, InPerspective) {
+TEST_P(Images, InPerspective) {
   Camera camera = testing::unit_camera(57, 43);
   camera.eye = {-0.9, -0.6, -1.7};
   camera.forward = normalized(Vec3d{0.5, 0.5, 0.5} - camera.eye);
@@ -120,7 +120,7 @@ TEST_P(Pictures, InPerspective) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Techniques, Pictures, ::testing::ValuesIn(exact_techniques()),
+INSTANTIATE_TEST_SUITE_P(Techniques, Images, ::testing::ValuesIn(exact_techniques()),
                          testing::technique_test_name);
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Calls of Vulkan that fail, at every place of a draw: one error that says what, no leak, and the next
-// picture is right.
+// image is right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -85,15 +85,15 @@ TEST(Failures, EveryCallOfADraw) {
     Renderer renderer(fault.options());
     renderer.load(translucent_and_opaque());
     const Camera camera = testing::unit_camera(12, 12);
-    for (const RenderOptions& options :
-         std::initializer_list<RenderOptions>{{.technique = "sb", .keep_fragments = true},
-                                              {.technique = "sb", .pool = 100, .overflow = Overflow::exact},
-                                              {.technique = "kb"},
-                                              {.technique = "f2b-2p", .cull = renderer.info().conditional},
-                                              {.technique = "f2b"},
-                                              {.technique = "verified"},
-                                              {.technique = "variable-k"}}) {
-      if (options.pool != 0 && !renderer.info().atomics64) continue;
+    for (const RenderOptions& options : std::initializer_list<RenderOptions>{
+             {.technique = "sb", .keep_fragments = true},
+             {.technique = "sb", .pool = {.nodes = 100, .overflow = Overflow::exact}},
+             {.technique = "kb"},
+             {.technique = "f2b-2p", .peeling = {.cull = renderer.info().conditional}},
+             {.technique = "f2b"},
+             {.technique = "verified"},
+             {.technique = "variable-k"}}) {
+      if (options.pool.nodes != 0 && !renderer.info().atomics64) continue;
       fault.disarm();
       fault.restart_count();
       const std::vector<Vec3f> expected = renderer.draw(camera, options).pixels;
@@ -186,7 +186,7 @@ TEST(Failures, DeviceThatIsLost) {
 }
 
 // Devices that let shaders address little: techniques with any kind of buffer draw the same, in bands.
-TEST(Failures, SmallBuffersCutThePictureIntoBands) {
+TEST(Failures, SmallBuffersCutTheImageIntoBands) {
   const RenderScene scene = testing::random_stack(52, 24);
   const Camera camera = testing::unit_camera(16, 24);
   Renderer limited({.device = testing::test_renderer().info().name,
@@ -244,7 +244,7 @@ TEST(Failures, BandsHaveOpaqueSurfacesAndSamples) {
   EXPECT_TRUE(limited.validation_messages().empty());
 }
 
-// A row of pixels is the least that a picture can be cut into.
+// A row of pixels is the least that a image can be cut into.
 TEST(Failures, BuffersForLessThanARowAreRefused) {
   Renderer limited({.device = testing::test_renderer().info().name, .max_buffer_bytes = 8000});
   limited.load(testing::coplanar_squares(80, 0.5F));

@@ -13,7 +13,7 @@ std::vector<std::string> techniques_with_fragments() {
   return testing::techniques_that([](const TechniqueInfo& info) { return !info.blends_only; });
 }
 
-// Vulkan's standard places of four samples are pixels of a picture that is four times as large.
+// Vulkan's standard places of four samples are pixels of a image that is four times as large.
 constexpr std::array<std::array<std::uint32_t, 2>, 4> kPlaces{{{1, 0}, {3, 1}, {0, 2}, {2, 3}}};
 
 bool before(const Fragment& a, const Fragment& b) {
@@ -37,7 +37,7 @@ class Multisampling : public ::testing::TestWithParam<std::string> {
   TechniqueInfo info_;
 };
 
-TEST_P(Multisampling, SamplesAreThoseOfALargerPicture) {
+TEST_P(Multisampling, SamplesAreThoseOfALargerImage) {
   const std::uint32_t side = 24;
   const RenderScene scene = testing::random_stack(31, 60);
   testing::test_renderer().load(scene);
@@ -64,9 +64,9 @@ TEST_P(Multisampling, SamplesAreThoseOfALargerPicture) {
   EXPECT_EQ(wrong, 0U);
 }
 
-class MultisampledPictures : public Multisampling {};
+class MultisampledImages : public Multisampling {};
 
-TEST_P(MultisampledPictures, AreMeansOfTheirSamples) {
+TEST_P(MultisampledImages, AreMeansOfTheirSamples) {
   const std::uint32_t side = 16;
   RenderScene scene = testing::random_boxes(5, 12, 4);
   scene.surfaces[2].opaque = true;
@@ -97,7 +97,7 @@ TEST(MultisamplingOption, IsRefusedWhereItCannotBe) {
 std::vector<std::string> techniques_that_are_exact() {
   return testing::techniques_that([](const TechniqueInfo& info) { return info.exact; });
 }
-INSTANTIATE_TEST_SUITE_P(Techniques, MultisampledPictures, ::testing::ValuesIn(techniques_that_are_exact()),
+INSTANTIATE_TEST_SUITE_P(Techniques, MultisampledImages, ::testing::ValuesIn(techniques_that_are_exact()),
                          testing::technique_test_name);
 INSTANTIATE_TEST_SUITE_P(Techniques, Multisampling, ::testing::ValuesIn(techniques_with_fragments()),
                          testing::technique_test_name);

@@ -11,7 +11,7 @@
 namespace pellucid {
 namespace {
 
-// Squares over the whole picture, the second one opaque.
+// Squares over the whole image, the second one opaque.
 RenderScene squares_around_opaque() {
   RenderScene scene = testing::coplanar_squares(1, 0.25F);
   for (const float depth : {0.5F, 0.5F, 0.75F})
@@ -38,7 +38,7 @@ TEST(OpaqueReference, HidesWhatIsAtItsDepthOrBehind) {
   const RenderResult result = draw_reference(scene, testing::unit_camera(4, 4), options);
   EXPECT_EQ(result.stats.fragments, 16U);
   for (const Fragment& f : result.fragments.fragments) EXPECT_EQ(f.depth, 0.25F);
-  // What is behind has no part in the picture, nor has the background.
+  // What is behind has no part in the image, nor has the background.
   RenderScene changed = scene;
   changed.surfaces[2].color = changed.surfaces[3].color = {5, 5, 5};
   options.background = {0, 0, 0};
@@ -132,25 +132,25 @@ INSTANTIATE_TEST_SUITE_P(Techniques, Opaque, ::testing::ValuesIn(capturing_techn
                            return name;
                          });
 
-class OpaquePictures : public ::testing::Test {
+class OpaqueImages : public ::testing::Test {
  protected:
   void TearDown() override { EXPECT_EQ(testing::first_validation_message(), ""); }
 };
 
-TEST_F(OpaquePictures, DoNotDependOnTheSequence) {
+TEST_F(OpaqueImages, DoNotDependOnTheDrawOrder) {
   RenderScene scene = mixed_stack(5);
   RenderOptions options;
   options.plain_resolve = true;
   testing::test_renderer().load(scene);
   const RenderResult straight = testing::test_renderer().draw(testing::unit_camera(40, 40), options);
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.push_back(i);
-  std::reverse(scene.sequence.begin(), scene.sequence.end());
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.draw_order.push_back(i);
+  std::reverse(scene.draw_order.begin(), scene.draw_order.end());
   testing::test_renderer().load(scene);
   EXPECT_EQ(testing::test_renderer().draw(testing::unit_camera(40, 40), options).pixels, straight.pixels);
 }
 
 // Nothing is left to capture: edges and colours are those of the opaque surfaces.
-TEST_F(OpaquePictures, OfNothingElse) {
+TEST_F(OpaqueImages, OfNothingElse) {
   RenderScene scene = testing::joined(testing::closed_box({0, 0, 0}, {1, 1, 1}),
                                       testing::closed_box({0.5F, 0.25F, 0.1F}, {1.5F, 0.75F, 0.9F}));
   for (Surface& s : scene.surfaces) s.opaque = true;

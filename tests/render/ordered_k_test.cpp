@@ -50,10 +50,10 @@ bool one_is_too_late(std::span<const Fragment> drawn, std::uint32_t k) {
   return false;
 }
 
-// Pixels where one is, by the CPU's fragments in the sequence of drawing.
+// Pixels where one is, by the CPU's fragments in draw order.
 std::uint64_t pixels_too_late(const RenderScene& scene, const Camera& camera, std::uint32_t k) {
   Sequence ranks(scene.triangles.size());
-  for (std::uint32_t i = 0; i < ranks.size(); ++i) ranks[scene.sequence[i]] = i;
+  for (std::uint32_t i = 0; i < ranks.size(); ++i) ranks[scene.draw_order[i]] = i;
   const FragmentBuffer all = testing::cpu_fragments(scene, camera);
   std::uint64_t count = 0;
   for (std::size_t p = 0; p + 1 < all.offsets.size(); ++p) {
@@ -66,7 +66,7 @@ std::uint64_t pixels_too_late(const RenderScene& scene, const Camera& camera, st
   return count;
 }
 
-// Panes over the whole picture, drawn as they are named.
+// Panes over the whole image, drawn as they are named.
 RenderScene panes(std::initializer_list<float> depths) {
   RenderScene scene;
   for (const float depth : depths) {
@@ -110,7 +110,7 @@ class OrderedWindow : public ::testing::Test {
 
 TEST_F(OrderedWindow, RightSequencesAreExact) {
   RenderScene scene = testing::random_stack(21, 120);
-  scene.sequence = by_depth(scene);
+  scene.draw_order = by_depth(scene);
   load(scene);
   for (const std::uint32_t k : {1U, 2U, 8U}) expect_exact(k);
   expect_exact(2, Effect::wireframe);
@@ -118,7 +118,7 @@ TEST_F(OrderedWindow, RightSequencesAreExact) {
 
 TEST_F(OrderedWindow, OfOneFragmentIsBlendingInTheRightSequence) {
   RenderScene scene = testing::random_stack(22, 120);
-  scene.sequence = by_depth(scene);
+  scene.draw_order = by_depth(scene);
   load(scene);
   EXPECT_LE(error_between(draw("blend"), draw("ordered-k", 1)), 2e-6F);
 }
@@ -127,7 +127,7 @@ TEST_F(OrderedWindow, PutsRightWhatIsUpToKPlacesTooLate) {
   RenderScene scene = testing::random_stack(23, 160);
   const Sequence right = by_depth(scene);
   for (const std::uint32_t k : {1U, 2U, 8U}) {
-    scene.sequence = shuffled_in_blocks(right, k + 1, k);
+    scene.draw_order = shuffled_in_blocks(right, k + 1, k);
     load(scene);
     expect_exact(k);
   }
@@ -135,7 +135,7 @@ TEST_F(OrderedWindow, PutsRightWhatIsUpToKPlacesTooLate) {
 
 TEST_F(OrderedWindow, CountsPixelsWhereOneIsTooLate) {
   RenderScene scene = testing::random_stack(24, 160);
-  scene.sequence = shuffled_in_blocks(by_depth(scene), scene.triangles.size(), 5);
+  scene.draw_order = shuffled_in_blocks(by_depth(scene), scene.triangles.size(), 5);
   load(scene);
   std::uint64_t fewer = kCamera.width * kCamera.height;
   for (const std::uint32_t k : {1U, 2U}) {
@@ -173,7 +173,7 @@ TEST_F(OrderedWindow, EachSampleHasItsOwn) {
   RenderScene scene = testing::random_boxes(6, 4, 2);  // at most eight fragments in a pixel
   Sequence sequence(scene.triangles.size());
   std::iota(sequence.begin(), sequence.end(), 0U);
-  scene.sequence = shuffled_in_blocks(sequence, sequence.size(), 3);
+  scene.draw_order = shuffled_in_blocks(sequence, sequence.size(), 3);
   load(scene);
   const Camera camera = look_at_sphere({{0.5, 0.5, 0.5}, 0.9}, {normalized(Vec3d{1, 2, 3}), 3}, 41, 35);
   const auto sampled = [&](const std::string& technique, std::uint32_t k) {
@@ -192,7 +192,7 @@ TEST_F(OrderedWindow, RefusesMoreThanTheAttachmentsHold) {
     FAIL() << "was drawn";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::bad_argument);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("--k 64"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("k = 64"));
   }
   expect_exact(8);
 }

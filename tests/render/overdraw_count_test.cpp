@@ -9,11 +9,11 @@
 namespace pellucid {
 namespace {
 
-// Pixel by pixel, in the sequence of drawing: a fragment is shaded if it is nearer than all before it.
+// Pixel by pixel, in draw order: a fragment is shaded if it is nearer than all before it.
 std::uint64_t shaded_on_cpu(const RenderScene& scene, const Camera& camera) {
   std::vector<std::uint32_t> place(scene.triangles.size());
   for (std::uint32_t i = 0; i < place.size(); ++i) {
-    place[scene.sequence.empty() ? i : scene.sequence[i]] = i;
+    place[scene.draw_order.empty() ? i : scene.draw_order[i]] = i;
   }
   const FragmentBuffer fragments = testing::cpu_fragments(scene, camera);
   std::uint64_t shaded = 0;
@@ -39,10 +39,10 @@ TEST(OverdrawCount, IsWhatASimulatedDepthTestSays) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     RenderScene scene = testing::random_stack(seed, 80);
     if (seed > 1) {
-      scene.sequence.resize(scene.triangles.size());
-      std::iota(scene.sequence.begin(), scene.sequence.end(), 0U);
-      for (std::size_t i = scene.sequence.size(); i > 1; --i)
-        std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
+      scene.draw_order.resize(scene.triangles.size());
+      std::iota(scene.draw_order.begin(), scene.draw_order.end(), 0U);
+      for (std::size_t i = scene.draw_order.size(); i > 1; --i)
+        std::swap(scene.draw_order[i - 1], scene.draw_order[random.below(i)]);
     }
     renderer.load(scene);
     const OverdrawCount count = renderer.count_overdraw(camera);
@@ -60,7 +60,7 @@ TEST(OverdrawCount, FrontToBackIsOne) {
   const OverdrawCount near_first = renderer.count_overdraw(testing::unit_camera(16, 16));
   EXPECT_EQ(near_first.shaded, 256U);
   EXPECT_EQ(near_first.covered, 256U);
-  scene.sequence = {2, 3, 0, 1};
+  scene.draw_order = {2, 3, 0, 1};
   renderer.load(scene);
   EXPECT_EQ(renderer.count_overdraw(testing::unit_camera(16, 16)).shaded, 512U);
 }

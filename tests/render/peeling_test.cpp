@@ -117,9 +117,9 @@ TEST_F(Peeling, LayersThatDoNotFitAreCapturedInRounds) {
   renderer.load(scene);
   for (const char* name : {"f2b-ll", "dual-ll"}) {
     if (missing(name)) continue;
-    RenderOptions options{.technique = name, .pool = 8 * 256};
+    RenderOptions options{.technique = name, .pool = {.nodes = 8 * 256}};
     EXPECT_FALSE(renderer.draw(testing::unit_camera(16, 16), options).stats.pool_exceeded) << name;
-    options.pool = 300;
+    options.pool.nodes = 300;
     const RenderResult drawn = renderer.draw(testing::unit_camera(16, 16), options);
     options.technique = "sb";
     const RenderResult expected = renderer.draw(testing::unit_camera(16, 16), options);

@@ -1,4 +1,4 @@
-// The CPU reference by hand-made cases, and the device's pictures against it.
+// The CPU reference by hand-made cases, and the device's images against it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -24,7 +24,7 @@ std::string technique_test_name(const ::testing::TestParamInfo<std::string>& par
 
 // Random small triangles in 0..1^3, in layers at dyadic depths, some of them several times.
 RenderScene random_stack(std::uint64_t seed, std::size_t triangles);
-// `copies` squares of two triangles each over the whole picture, at one depth.
+// `copies` squares of two triangles each over the whole image, at one depth.
 RenderScene coplanar_squares(std::uint32_t copies, float depth);
 // One closed box, one object.
 RenderScene closed_box(const Vec3f& low, const Vec3f& high);

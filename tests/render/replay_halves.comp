@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../../shaders/interface/frame.glsl"
+#include "frame.glsl"
 #define HALVES
 #define ORDER_WORDS  // lavapipe makes a whole workgroup wait at barriers of memory, whoever gets there
-#include "../../shaders/budget/slots.glsl"
-#include "../../shaders/budget/halves_chain.glsl"
+#include "capture/k_buffers/slots.glsl"
+#include "capture/k_buffers/halves_chain.glsl"
 // Brings a list of fragments (C: pixel, depth bits, id, colour) into the slots of their pixels (A) as fragment shaders do
 // that have only 32-bit atomics, but all at the same time; kK: which of the three passes. push.p0: slots of a pixel; p1:
 // not 0; p2: fragments.

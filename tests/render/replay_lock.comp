@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "../../shaders/interface/frame.glsl"
-#include "../../shaders/interface/counters.glsl"
-#include "../../shaders/budget/places.glsl"
+#include "frame.glsl"
+#include "counters.glsl"
+#include "capture/k_buffers/places.glsl"
 layout(std430, set = 0, binding = SLOT_A) coherent buffer Pool { uint words[]; };
 #define ORDER_WORDS  // lavapipe makes a whole workgroup wait at barriers of memory, whoever gets there
-#include "../../shaders/budget/max_first.glsl"
+#include "capture/k_buffers/max_first.glsl"
 // Brings a list of fragments (C: pixel, depth bits, id) into the slots of their pixels (A) behind a spin lock, as fragment
 // shaders do, but all at the same time. push.p0: slots of a pixel; p1: not 0; p2: turns; p3: fragments.
 layout(local_size_x = 64) in;

@@ -38,7 +38,7 @@ class Synchronisation : public ::testing::Test {
   static RenderResult draw(std::uint32_t k, Sync sync, Effect effect = Effect::transparency) {
     return testing::test_renderer().draw(
         testing::unit_camera(48, 40),
-        {.technique = "kb", .effect = effect, .k = k, .sync = sync, .keep_fragments = true});
+        {.technique = "kb", .effect = effect, .k = k, .k_buffer = {.sync = sync}, .keep_fragments = true});
   }
 };
 
@@ -47,14 +47,14 @@ TEST_F(Synchronisation, AllWaysCaptureTheSame) {
   const FragmentBuffer all = testing::cpu_fragments(scene, testing::unit_camera(48, 40));
   for (const bool shuffled : {false, true}) {
     if (shuffled) {
-      for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.sequence.push_back(i);
+      for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) scene.draw_order.push_back(i);
       Random random(7);
-      for (std::size_t i = scene.sequence.size(); i > 1; --i)
-        std::swap(scene.sequence[i - 1], scene.sequence[random.below(i)]);
+      for (std::size_t i = scene.draw_order.size(); i > 1; --i)
+        std::swap(scene.draw_order[i - 1], scene.draw_order[random.below(i)]);
     }
     testing::test_renderer().load(scene);
     for (const std::uint32_t k : {1U, 3U, 8U, 10U}) {
-      std::vector<Vec3f> picture;
+      std::vector<Vec3f> image;
       for (const Sync sync : ways(k)) {
         const RenderResult result = draw(k, sync);
         const auto what = std::to_string(static_cast<int>(sync)) + ", k " + std::to_string(k);
@@ -65,8 +65,8 @@ TEST_F(Synchronisation, AllWaysCaptureTheSame) {
           ASSERT_TRUE(testing::same_fragments(testing::pixel_of(result.fragments, p), nearest))
               << what << ", pixel " << p;
         }
-        if (picture.empty()) picture = result.pixels;
-        EXPECT_EQ(result.pixels, picture) << what;
+        if (image.empty()) image = result.pixels;
+        EXPECT_EQ(result.pixels, image) << what;
       }
     }
   }
@@ -75,11 +75,11 @@ TEST_F(Synchronisation, AllWaysCaptureTheSame) {
 TEST_F(Synchronisation, OtherEffectsGetTheSame) {
   testing::test_renderer().load(testing::random_boxes(5, 8, 4));
   for (const Effect effect : {Effect::wireframe, Effect::coplanarity}) {
-    std::vector<Vec3f> picture;
+    std::vector<Vec3f> image;
     for (const Sync sync : ways(8)) {
       const RenderResult result = draw(8, sync, effect);
-      if (picture.empty()) picture = result.pixels;
-      EXPECT_EQ(result.pixels, picture) << static_cast<int>(sync);
+      if (image.empty()) image = result.pixels;
+      EXPECT_EQ(result.pixels, image) << static_cast<int>(sync);
     }
   }
 }
@@ -99,15 +99,16 @@ TEST_F(Synchronisation, WhatDoesNotFitIsRefusedOrReplaced) {
     return "";
   };
   if (!info.interlock) {
-    EXPECT_THAT(refusal({.technique = "kb", .sync = Sync::interlock}),
+    EXPECT_THAT(refusal({.technique = "kb", .k_buffer = {.sync = Sync::interlock}}),
                 ::testing::HasSubstr("VK_EXT_fragment_shader_interlock"));
   }
-  EXPECT_THAT(refusal({.technique = "kb", .k = 64, .sync = Sync::ordered}),
-              ::testing::HasSubstr("--sync ordered"));
+  EXPECT_THAT(refusal({.technique = "kb", .k = 64, .k_buffer = {.sync = Sync::ordered}}),
+              ::testing::HasSubstr("ordered synchronisation"));
   if (!info.atomics64) return;
   EXPECT_EQ(renderer.draw(camera, {.technique = "kb", .k = 64}).stats.sync,
             info.interlock ? Sync::interlock : Sync::atomics);
-  EXPECT_EQ(renderer.draw(camera, {.technique = "sb", .sync = Sync::ordered}).stats.sync, Sync::automatic);
+  EXPECT_EQ(renderer.draw(camera, {.technique = "sb", .k_buffer = {.sync = Sync::ordered}}).stats.sync,
+            Sync::automatic);
 }
 
 // The chain of atomic minima, with keys of a few pixels inserted by thousands of invocations at once.

@@ -23,7 +23,7 @@ Texture texture_of(std::uint32_t width, std::uint32_t height, const std::vector<
   return texture;
 }
 
-// A square over the whole picture; its texture coordinates are those of the picture, scaled and moved.
+// A square over the whole image; its texture coordinates are those of the image, scaled and moved.
 RenderScene textured_square(const Texture& texture, float scale = 1, float offset = 0) {
   RenderScene scene = testing::coplanar_squares(1, 0.5F);
   for (const Vec3f& p : scene.positions)
@@ -33,7 +33,7 @@ RenderScene textured_square(const Texture& texture, float scale = 1, float offse
   return scene;
 }
 
-// The only colour of a picture of one opaque square.
+// The only colour of a image of one opaque square.
 Vec3f lit(const Vec3f& color) {
   RenderScene scene = testing::coplanar_squares(1, 0.5F);
   scene.surfaces[0] = {.color = color, .alpha = 1, .opaque = true};
@@ -56,7 +56,7 @@ TEST(TextureReference, WrapsAsTheSamplerSays) {
   Texture texture = texture_of(2, 2, {kRed, kGreen, kRed, kGreen});
   const Vec3f red{1, 0, 0};
   const Vec3f green{0, 1, 0};
-  // Two texels to the right of the picture's: -1.25, -0.75 ...
+  // Two texels to the right of the image's: -1.25, -0.75 ...
   const auto columns = [&](TextureWrap wrap, const std::vector<Vec3f>& row) {
     texture.sampling.wrap_u = texture.sampling.wrap_v = wrap;
     std::vector<Vec3f> colors;

@@ -1,4 +1,4 @@
-// Verified blending: exact pictures whatever the sequence of drawing, and repairs where it was wrong, nowhere
+// Verified blending: exact images whatever the draw order, and repairs where it was wrong, nowhere
 // else.
 #include <gtest/gtest.h>
 
@@ -32,10 +32,10 @@ std::vector<std::uint32_t> front_to_back(const RenderScene& scene) {
   return sequence;
 }
 
-// Pixels where depths do not ascend strictly from 0 in the sequence of drawing.
+// Pixels where depths do not ascend strictly from 0 in draw order.
 std::uint64_t pixels_out_of_order(const RenderScene& scene, const Camera& camera) {
   std::vector<std::uint32_t> ranks(scene.triangles.size());
-  for (std::uint32_t i = 0; i < ranks.size(); ++i) ranks[scene.sequence[i]] = i;
+  for (std::uint32_t i = 0; i < ranks.size(); ++i) ranks[scene.draw_order[i]] = i;
   const FragmentBuffer all = testing::cpu_fragments(scene, camera);
   std::uint64_t count = 0;
   for (std::size_t p = 0; p + 1 < all.offsets.size(); ++p) {
@@ -61,7 +61,7 @@ TEST(VerifiedBlending, IsExactInAnySequence) {
   for (const Effect effect : {Effect::transparency, Effect::wireframe}) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
       RenderScene scene = testing::random_stack(seed, 160);
-      scene.sequence = shuffled(scene.triangles.size(), seed);
+      scene.draw_order = shuffled(scene.triangles.size(), seed);
       renderer.load(scene);
       const RenderResult exact = renderer.draw(camera, {.technique = "sb", .effect = effect});
       const RenderResult verified = renderer.draw(camera, {.technique = "verified", .effect = effect});
@@ -75,13 +75,13 @@ TEST(VerifiedBlending, IsExactInAnySequence) {
   EXPECT_EQ(testing::first_validation_message(), "");
 }
 
-// Coplanar fragments come in the order of their ids in exact pictures, so they are repaired, too.
+// Coplanar fragments come in the order of their ids in exact images, so they are repaired, too.
 TEST(VerifiedBlending, RepairsNoMoreThanItMust) {
   Renderer& renderer = testing::test_renderer();
   const Camera camera = testing::unit_camera(64, 48);
   for (const std::uint64_t seed : {4U, 5U}) {
     RenderScene scene = testing::random_stack(seed, 80);
-    scene.sequence = front_to_back(scene);
+    scene.draw_order = front_to_back(scene);
     renderer.load(scene);
     const RenderResult verified = renderer.draw(camera, {.technique = "verified"});
     EXPECT_EQ(verified.stats.repaired_pixels, pixels_out_of_order(scene, camera));
@@ -102,7 +102,7 @@ TEST(VerifiedBlending, RepairsNothingInTheRightSequence) {
   EXPECT_LE(largest_difference(exact, verified), kFoldRounding);
   EXPECT_EQ(verified.stats.geometry_passes, 2U);
 
-  scene.sequence = shuffled(scene.triangles.size(), 9);
+  scene.draw_order = shuffled(scene.triangles.size(), 9);
   renderer.load(scene);
   const RenderResult repaired = renderer.draw(camera, {.technique = "verified"});
   EXPECT_EQ(repaired.stats.repaired_pixels, pixels_out_of_order(scene, camera));
@@ -131,7 +131,7 @@ TEST(VerifiedBlending, TakesEveryOpacity) {
   scene.surfaces[0].alpha = 0;
   scene.surfaces[1].alpha = 1;
   for (const std::uint64_t seed : {1U, 2U}) {
-    scene.sequence = seed == 1 ? front_to_back(scene) : shuffled(scene.triangles.size(), seed);
+    scene.draw_order = seed == 1 ? front_to_back(scene) : shuffled(scene.triangles.size(), seed);
     renderer.load(scene);
     EXPECT_LE(largest_difference(renderer.draw(camera, {.technique = "sb"}),
                                  renderer.draw(camera, {.technique = "verified"})),
@@ -143,7 +143,7 @@ TEST(VerifiedBlending, TakesEveryOpacity) {
 TEST(VerifiedBlending, DrawsAgainWhatPassesTheEye) {
   Renderer& renderer = testing::test_renderer();
   RenderScene scene = testing::random_boxes(3, 8, 2);
-  scene.sequence = shuffled(scene.triangles.size(), 4);
+  scene.draw_order = shuffled(scene.triangles.size(), 4);
   Camera camera = look_at_sphere({{0.5, 0.5, 0.5}, 0.9}, {normalized(Vec3d{1, 2, 3}), 1.2}, 120, 90);
   camera.eye = {0.5, 0.45, 0.55};  // among them
   camera.near_plane = 0.01;
@@ -159,7 +159,7 @@ TEST(VerifiedBlending, EachSampleIsVerified) {
   Renderer& renderer = testing::test_renderer();
   RenderScene scene = testing::random_boxes(6, 12, 4);
   scene.surfaces[1].opaque = true;
-  scene.sequence = shuffled(scene.triangles.size(), 9);
+  scene.draw_order = shuffled(scene.triangles.size(), 9);
   renderer.load(scene);
   const Camera camera = look_at_sphere({{0.5, 0.5, 0.5}, 0.9}, {normalized(Vec3d{1, 2, 3}), 3}, 61, 45);
   const RenderResult one = renderer.draw(camera, {.technique = "verified"});

@@ -183,16 +183,16 @@ std::vector<Claim> collect_claims(const Fields& root) {
 
 }  // namespace
 
-IndexWidth vertex_index_width(std::uint64_t vertices) {
-  return bytes_per_index(vertices) == 2 ? IndexWidth::two_bytes : IndexWidth::four_bytes;
+ComponentWidth vertex_index_width(std::uint64_t vertices) {
+  return bytes_per_index(vertices) == 2 ? ComponentWidth::two_bytes : ComponentWidth::four_bytes;
 }
 
-IndexWidth value_width(std::uint64_t count) {
-  if (count <= 256) return IndexWidth::one_byte;
-  return count <= 65536 ? IndexWidth::two_bytes : IndexWidth::four_bytes;
+ComponentWidth value_width(std::uint64_t count) {
+  if (count <= 256) return ComponentWidth::one_byte;
+  return count <= 65536 ? ComponentWidth::two_bytes : ComponentWidth::four_bytes;
 }
 
-Bytes pack(std::span<const std::uint32_t> values, IndexWidth width) {
+Bytes pack(std::span<const std::uint32_t> values, ComponentWidth width) {
   const std::uint64_t step = bytes_of(width);
   Bytes bytes(values.size() * step);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -252,7 +252,7 @@ std::uint64_t DocumentEditor::append_view(const Range& range) {
 }
 
 std::uint64_t DocumentEditor::append_compressed_view(const Range& fallback, const Range& compressed,
-                                                     IndexWidth width) {
+                                                     ComponentWidth width) {
   Json view = range_json(fallback);
   Json& extension = view["extensions"][kMeshoptExtension];
   extension = range_json(compressed);
@@ -262,7 +262,7 @@ std::uint64_t DocumentEditor::append_compressed_view(const Range& fallback, cons
   return append("bufferViews", std::move(view));
 }
 
-std::uint64_t DocumentEditor::append_accessor(std::uint64_t view, std::uint64_t offset, IndexWidth width,
+std::uint64_t DocumentEditor::append_accessor(std::uint64_t view, std::uint64_t offset, ComponentWidth width,
                                               std::uint64_t count) {
   Json accessor;
   accessor["bufferView"] = view;

@@ -13,19 +13,19 @@
 namespace pellucid {
 
 // The componentType of unsigned integers.
-enum class IndexWidth : std::uint32_t { one_byte = 5121, two_bytes = 5123, four_bytes = 5125 };
-constexpr std::uint64_t bytes_of(IndexWidth width) {
-  return width == IndexWidth::one_byte ? 1 : width == IndexWidth::two_bytes ? 2 : 4;
+enum class ComponentWidth : std::uint32_t { one_byte = 5121, two_bytes = 5123, four_bytes = 5125 };
+constexpr std::uint64_t bytes_of(ComponentWidth width) {
+  return width == ComponentWidth::one_byte ? 1 : width == ComponentWidth::two_bytes ? 2 : 4;
 }
 // Returns the width of indices into this many vertices, which bytes_per_index() of pellucid/sequencing.h
 // decides.
-IndexWidth vertex_index_width(std::uint64_t vertices);
+ComponentWidth vertex_index_width(std::uint64_t vertices);
 // Returns the narrowest width for values below `count`: ids of triangles and patches, offsets, numbers of
 // orders. These are not vertex indices, so the largest value of a width is allowed, and 65,536 of them fit in
 // 16 bits.
-IndexWidth value_width(std::uint64_t count);
+ComponentWidth value_width(std::uint64_t count);
 // Returns the values in little-endian order, back to back.
-Bytes pack(std::span<const std::uint32_t> values, IndexWidth width);
+Bytes pack(std::span<const std::uint32_t> values, ComponentWidth width);
 
 class DocumentEditor {
  public:
@@ -46,8 +46,8 @@ class DocumentEditor {
   std::uint64_t append_view(const Range& range);
   // Appends a view whose bytes lie compressed at `compressed` (EXT_meshopt_compression, mode INDICES) and
   // uncompressed at `fallback`.
-  std::uint64_t append_compressed_view(const Range& fallback, const Range& compressed, IndexWidth width);
-  std::uint64_t append_accessor(std::uint64_t view, std::uint64_t offset, IndexWidth width,
+  std::uint64_t append_compressed_view(const Range& fallback, const Range& compressed, ComponentWidth width);
+  std::uint64_t append_accessor(std::uint64_t view, std::uint64_t offset, ComponentWidth width,
                                 std::uint64_t count);
   std::uint64_t append_accessor(Json accessor);
 

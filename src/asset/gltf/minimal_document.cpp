@@ -129,7 +129,7 @@ class MinimalDocument {
     for (const std::uint32_t triangle : base) {
       indices.insert(indices.end(), mesh.triangles[triangle].begin(), mesh.triangles[triangle].end());
     }
-    const IndexWidth width = vertex_index_width(mesh.positions.size());
+    const ComponentWidth width = vertex_index_width(mesh.positions.size());
     const std::uint64_t view = add_view(pack(indices, width), kIndexTarget);
     return editor_.append_accessor(view, 0, width, indices.size());
   }

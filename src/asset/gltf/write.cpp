@@ -136,11 +136,11 @@ class ModelWriter {
         const std::uint64_t offset =
             view.value("byteOffset", std::uint64_t{0}) + accessor.value("byteOffset", std::uint64_t{0});
         editor_.overwrite(view["buffer"].get<std::uint64_t>(), offset,
-                          pack(indices, accessor["componentType"].get<IndexWidth>()));
+                          pack(indices, accessor["componentType"].get<ComponentWidth>()));
         return;
       }
     }
-    const IndexWidth width = vertex_index_width(mesh.positions.size());
+    const ComponentWidth width = vertex_index_width(mesh.positions.size());
     const std::uint64_t view =
         editor_.append_view(editor_.append_bytes(editor_.host_buffer(), pack(indices, width)));
     json["indices"] = editor_.append_accessor(view, 0, width, indices.size());

@@ -64,13 +64,13 @@ class OrderArrayWriter {
  private:
   std::uint64_t side_buffer(const std::string& suffix);
   std::uint64_t order_buffer();
-  std::uint64_t append_order_view(const std::vector<std::uint32_t>& values, IndexWidth width,
+  std::uint64_t append_order_view(const std::vector<std::uint32_t>& values, ComponentWidth width,
                                   OrderEncoding encoding);
   void append_orders(const OrderSet& set, const std::vector<std::vector<std::uint32_t>>& stored,
-                     IndexWidth width, OrderAccessors& accessors);
+                     ComponentWidth width, OrderAccessors& accessors);
   std::uint64_t shared_accessor(const char* type, std::uint32_t component_type, std::uint64_t count,
                                 const Bytes& bytes);
-  std::uint64_t append_values(const std::vector<std::uint32_t>& values, IndexWidth width);
+  std::uint64_t append_values(const std::vector<std::uint32_t>& values, ComponentWidth width);
   std::uint64_t append_cell_orders(const OrderSet& set, std::span<const std::uint32_t> cell_orders);
   OrderAccessors::KeyFrames append_key_frames(const OrderSet& set, const KeyFrameTable& table);
 

@@ -13,7 +13,7 @@ Bytes pack_floats(const std::vector<float>& values) {
   std::vector<std::uint32_t> bits;
   bits.reserve(values.size());
   for (const float value : values) bits.push_back(std::bit_cast<std::uint32_t>(value));
-  return pack(bits, IndexWidth::four_bytes);
+  return pack(bits, ComponentWidth::four_bytes);
 }
 
 // Returns the vertex indices of an order, three a triangle.
@@ -159,8 +159,8 @@ OrderAccessors OrderArrayWriter::write(const OrderSet& set, const Mesh& mesh,
     stored.push_back(indices ? corner_values(drawn, mesh) : patches.ids_of(drawn));
   }
   const std::uint64_t ids = std::uint64_t{patches.count()} * (overdraw ? 1 : 2);
-  const IndexWidth width =
-      indices ? vertex_index_width(mesh.positions.size()) : std::max(value_width(ids), IndexWidth::two_bytes);
+  const ComponentWidth width =
+      indices ? vertex_index_width(mesh.positions.size()) : std::max(value_width(ids), ComponentWidth::two_bytes);
 
   OrderAccessors accessors;
   accessors.encoding = encoding;
@@ -178,7 +178,7 @@ OrderAccessors OrderArrayWriter::write(const OrderSet& set, const Mesh& mesh,
 
 // All orders of a primitive lie in one view, so that a renderer can upload them as one buffer.
 void OrderArrayWriter::append_orders(const OrderSet& set,
-                                     const std::vector<std::vector<std::uint32_t>>& stored, IndexWidth width,
+                                     const std::vector<std::vector<std::uint32_t>>& stored, ComponentWidth width,
                                      OrderAccessors& accessors) {
   accessors.orders.resize(set.orders.size());
   std::vector<std::uint32_t> values;
@@ -207,7 +207,7 @@ std::uint64_t OrderArrayWriter::order_buffer() {
   return options_.split_buffer ? side_buffer(".orders.bin") : editor_.host_buffer();
 }
 
-std::uint64_t OrderArrayWriter::append_order_view(const std::vector<std::uint32_t>& values, IndexWidth width,
+std::uint64_t OrderArrayWriter::append_order_view(const std::vector<std::uint32_t>& values, ComponentWidth width,
                                                   OrderEncoding encoding) {
   const Bytes bytes = pack(values, width);
   if (encoding != OrderEncoding::meshopt) {
@@ -238,7 +238,7 @@ std::uint64_t OrderArrayWriter::shared_accessor(const char* type, std::uint32_t 
   return entry->second;
 }
 
-std::uint64_t OrderArrayWriter::append_values(const std::vector<std::uint32_t>& values, IndexWidth width) {
+std::uint64_t OrderArrayWriter::append_values(const std::vector<std::uint32_t>& values, ComponentWidth width) {
   return shared_accessor("SCALAR", static_cast<std::uint32_t>(width), values.size(), pack(values, width));
 }
 

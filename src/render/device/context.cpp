@@ -1,4 +1,4 @@
-// Instance, device, queue: see context.h.
+// Choice of a device, its features, submission, and messages of validation.
 #include "render/device/context.h"
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ const char* name_of(VkResult result) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:
       return "out of memory";
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-      return "out of device memory: try a smaller --size or --memory";
+      return "out of device memory: try a smaller image or memory budget";
     case VK_ERROR_DEVICE_LOST:
       return "the device was lost";
     case VK_ERROR_INITIALIZATION_FAILED:
@@ -97,7 +97,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-constexpr std::uint32_t kMostOrderedAttachments = 8;  // shaders/capture/ordered_slots.frag
+constexpr std::uint32_t kMostOrderedAttachments = 8;  // shaders/capture/k_buffers/ordered_slots.frag
 
 // Of extensions that a device need not have.
 struct OptionalFeatures {
@@ -239,7 +239,7 @@ void Context::choose_device(const DeviceOptions& options) {
   if (physical_ == VK_NULL_HANDLE) {
     throw Error(
         ErrorKind::bad_argument,
-        fmt::format("--device: no Vulkan device {}; there is {}",
+        fmt::format("there is no Vulkan device {}; there is {}",
                     wanted.empty() ? std::string("can be used") : "is named '" + wanted + "'",
                     there.empty() ? "none (Debian: mesa-vulkan-drivers has one for the CPU)" : there));
   }

@@ -1,9 +1,11 @@
-// context.h - the Vulkan instance, one device and one queue: headless, chosen by name, validated on demand.
+// context.h - the Vulkan instance, one device and one queue, without a window; validated on demand.
 //
-// A real GPU is taken where there is one, else the CPU driver. Everything is submitted through `submit`,
-// which waits: one command buffer per piece of work, so that synchronisation validation sees all of its
-// hazards.
+// A GPU is taken where there is one, else a driver that runs on the CPU. Everything is submitted through
+// `submit`, which waits: one command buffer per piece of work, so that synchronisation validation sees all of
+// its hazards.
 #pragma once
+
+#include <vulkan/vulkan.h>
 
 #include <cstdint>
 #include <functional>
@@ -11,12 +13,56 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pellucid/render.h"
-#include "render/device/handle.h"
 
 namespace pellucid::render {
+
+// ---- Owners of Vulkan objects: destroyed in the reverse order of their making, on every path.
+
+// A child of a device. `Destroy` is the vkDestroy* or vkFree* of its type.
+template <class Handle, auto Destroy>
+class Owned {
+ public:
+  Owned() = default;
+  Owned(VkDevice device, Handle handle) : device_(device), handle_(handle) {}
+  Owned(Owned&& other) noexcept
+      : device_(std::exchange(other.device_, VK_NULL_HANDLE)),
+        handle_(std::exchange(other.handle_, VK_NULL_HANDLE)) {}
+  Owned& operator=(Owned&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  ~Owned() {
+    if (handle_ != VK_NULL_HANDLE) Destroy(device_, handle_, nullptr);
+  }
+  [[nodiscard]] Handle get() const { return handle_; }
+  explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
+
+ private:
+  VkDevice device_ = VK_NULL_HANDLE;
+  Handle handle_ = VK_NULL_HANDLE;
+};
+
+using OwnedBuffer = Owned<VkBuffer, vkDestroyBuffer>;
+using OwnedCommandPool = Owned<VkCommandPool, vkDestroyCommandPool>;
+using OwnedDescriptorPool = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
+using OwnedDescriptorSetLayout = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>;
+using OwnedFence = Owned<VkFence, vkDestroyFence>;
+using OwnedFramebuffer = Owned<VkFramebuffer, vkDestroyFramebuffer>;
+using OwnedImage = Owned<VkImage, vkDestroyImage>;
+using OwnedImageView = Owned<VkImageView, vkDestroyImageView>;
+using OwnedMemory = Owned<VkDeviceMemory, vkFreeMemory>;
+using OwnedPipeline = Owned<VkPipeline, vkDestroyPipeline>;
+using OwnedPipelineLayout = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
+using OwnedQueryPool = Owned<VkQueryPool, vkDestroyQueryPool>;
+using OwnedRenderPass = Owned<VkRenderPass, vkDestroyRenderPass>;
+using OwnedShaderModule = Owned<VkShaderModule, vkDestroyShaderModule>;
 
 // Throw Error{internal} that names the call and the result, with a remedy where there is one.
 void check(VkResult result, std::string_view what);
@@ -103,7 +149,7 @@ class Context {
   OwnedPipelineLayout pipeline_layout_;
 };
 
-// The one descriptor set that all shaders share (shaders/interface/frame.glsl): storage buffers, then images.
+// The one descriptor set that all shaders share (shaders/frame.glsl): storage buffers, then images.
 constexpr std::uint32_t kFirstImageSlot = 20;
 constexpr std::uint32_t kSlots = 24;
 // Bytes of push constants.

@@ -1,4 +1,4 @@
-// Buffers and images: see memory.h.
+// Allocation of buffers and images, and copies through staging buffers.
 #include "render/device/memory.h"
 
 #include <fmt/format.h>
@@ -37,8 +37,8 @@ OwnedMemory allocate(Context& context, const std::string& name, const VkMemoryRe
       "allocating memory", [&] { return vkAllocateMemory(context.device(), &info, nullptr, &memory); });
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) {
     throw Error(ErrorKind::internal,
-                fmt::format("Vulkan: {} is out of memory: the {} takes {} bytes: try a smaller --size or "
-                            "another --technique",
+                fmt::format("Vulkan: {} is out of memory: the {} takes {} bytes: try a smaller image or "
+                            "another technique",
                             context.info().name, name, needs.size));
   }
   check(result, "allocating memory");
@@ -70,7 +70,7 @@ Buffer::Buffer(Context& context, const std::string& name, std::uint64_t bytes, M
     throw Error(
         ErrorKind::bad_argument,
         fmt::format("the {} would take {:.0f} MB, and {} lets shaders address {:.0f} MB at once: try a "
-                    "smaller --size or another --technique",
+                    "smaller image or another technique",
                     name, static_cast<double>(bytes_) / 1e6, context.info().name,
                     static_cast<double>(context.info().max_buffer_bytes) / 1e6));
   }

@@ -1,6 +1,7 @@
-// memory.h - buffers and images with memory of their own, and how data gets in and out.
+// memory.h - buffers and images with memory of their own, and copies of data to them and from them.
 //
-// One allocation per object: a frame has a few dozen. Every failure names what was asked for.
+// There is one allocation for each object, as a frame has a few dozen. Every failure names what was asked
+// for.
 #pragma once
 
 #include <cstddef>

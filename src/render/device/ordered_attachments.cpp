@@ -1,4 +1,4 @@
-// Ordered attachments: see ordered_attachments.h.
+// Render passes, framebuffers and descriptor sets of ordered attachments.
 #include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {

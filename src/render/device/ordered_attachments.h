@@ -1,8 +1,9 @@
 // ordered_attachments.h - colour attachments that fragment shaders read back: fragments of a pixel come one
-// after the other, in the sequence of drawing (VK_EXT_rasterization_order_attachment_access), which needs a
-// render pass of the older kind and input attachments.
+// after the other, in draw order (VK_EXT_rasterization_order_attachment_access). This needs a render pass of
+// the older kind and input attachments.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "render/device/memory.h"
@@ -11,7 +12,12 @@ namespace pellucid::render {
 
 constexpr VkFormat kOrderedFormat = VK_FORMAT_R32G32B32A32_UINT;
 
-// What all passes with so many of them share; set 0 is that of all other passes.
+// 128-bit attachments that hold k fragments of three words.
+constexpr std::uint32_t ordered_attachments_for(std::uint32_t k) {
+  return (3 * k + 3) / 4;
+}
+
+// What all passes with the same number of attachments share; set 0 is that of all other passes.
 class OrderedLayout {
  public:
   OrderedLayout(Context& context, std::uint32_t attachments);

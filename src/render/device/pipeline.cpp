@@ -1,10 +1,10 @@
-// Pipelines: see pipeline.h.
+// Pipelines from specifications: blending, depth, stencil and specialisation constants.
 #include "render/device/pipeline.h"
 
 #include <cassert>
 
 #include "render/device/ordered_attachments.h"
-#include "render/gpu_scene.h"
+#include "render/scene/gpu_scene.h"
 
 namespace pellucid::render {
 namespace {

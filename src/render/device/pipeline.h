@@ -1,4 +1,4 @@
-// pipeline.h - graphics and compute pipelines from embedded shaders, specialised by constants.
+// pipeline.h - makes graphics and compute pipelines from embedded shaders, specialised by constants.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@
 
 namespace pellucid::render {
 
-// SPIR-V of a shader of shaders/, by its name there ("capture/list_fill.frag"); made at build time.
+// Returns the SPIR-V of a shader by its path below shaders/ ("capture/count.frag"), with the suffix of its
+// form (cmake/PellucidShaders.cmake). It is compiled at build time.
 std::span<const std::uint32_t> shader_code(std::string_view name);
 std::span<const std::string_view> shader_names();
 
@@ -22,6 +23,8 @@ class OrderedLayout;
 using Constants = std::vector<std::uint32_t>;
 
 enum class Blend { none, max, add, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
+// What Blend::under accumulates: premultiplied colours, and 1 - transmittance.
+constexpr VkFormat kBlended = VK_FORMAT_R32G32B32A32_SFLOAT;
 enum class DepthTest { none, less, less_or_equal, equal, greater };
 enum class Stencil {
   none,
@@ -38,7 +41,7 @@ struct GraphicsSpec {
   VkFormat depth = VK_FORMAT_UNDEFINED;
   DepthTest depth_test = DepthTest::none;
   bool depth_write = false;
-  std::string_view vertex_shader = "interface/scene.vert";
+  std::string_view vertex_shader = "scene/scene.vert";
   Stencil stencil = Stencil::none;
   bool clamp_depth = false;                // in place of clipping at the near and the far plane
   const OrderedLayout* ordered = nullptr;  // the colours are ordered attachments

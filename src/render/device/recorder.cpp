@@ -1,17 +1,17 @@
-// Recording: see recorder.h.
+// Commands: passes over the scene, kernels, descriptors, barriers and timestamps.
 #include "render/device/recorder.h"
 
 #include <algorithm>
 #include <iterator>
 
-#include "render/gpu_scene.h"
+#include "render/scene/gpu_scene.h"
 
 namespace pellucid::render {
 namespace {
 
-// Vulkan's standard places of four samples in a pixel, as in shaders/interface/samples.glsl. Samples are
-// drawn as pictures of their own: what is kept in attachments of integers, or by stencils, has them as well,
-// which multisampled images on lavapipe have not.
+// Vulkan's standard places of four samples in a pixel, as in shaders/scene/samples.glsl. Samples are
+// drawn as images of their own: what is kept in attachments of integers, or by stencils, has them as well,
+// which multisampled images on lavapipe do not have.
 constexpr std::array<std::array<float, 2>, 4> kSamplePlaces{
     {{0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}}};
 
@@ -207,13 +207,13 @@ void Recorder::set_window(const Attachments& attachments, std::uint32_t sample) 
   const std::uint32_t rows = attachments.height / attachments.samples;
   const std::array<float, 2> place =
       attachments.samples == 1 ? std::array{0.5F, 0.5F} : kSamplePlaces.at(sample);
-  // A band is a window on the whole picture: moved by whole pixels, nothing rasterises differently. A sample
+  // A band is a window on the whole image: moved by whole pixels, nothing rasterises differently. A sample
   // moves it by eighths, so that the sample's place gets where the centre of the pixel is.
   const auto top = static_cast<std::int32_t>(sample * rows);
   const VkViewport viewport{.x = 0.5F - place[0],
                             .y = static_cast<float>(top - attachments.first_row) + 0.5F - place[1],
                             .width = static_cast<float>(attachments.width),
-                            .height = static_cast<float>(attachments.picture_height),
+                            .height = static_cast<float>(attachments.image_height),
                             .minDepth = 0,
                             .maxDepth = 1};
   vkCmdSetViewport(commands_, 0, 1, &viewport);

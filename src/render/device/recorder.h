@@ -1,8 +1,8 @@
-// recorder.h - what a technique says to the device: draw the scene into these attachments, run this kernel,
+// recorder.h - records the commands of a technique: draw the scene into these attachments, run this kernel,
 // wait.
 //
 // All images stay in the layout GENERAL, and `barrier` makes everything before it visible to everything after
-// it: passes over a whole picture are long, and what a finer barrier saves is not measurable beside them.
+// it: passes over a whole image are long, and what a finer barrier saves is not measurable beside them.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@ namespace pellucid::render {
 struct DrawRange;
 struct GpuScene;
 
-// Slots of the descriptor set: shaders/interface/frame.glsl.
+// Slots of the descriptor set: shaders/frame.glsl.
 enum class Slot : std::uint32_t {
   frame,
   triangles,
   surfaces,
   counters,
-  picture,
+  final_colors,
   state_front,
   state_group,
   dump,
@@ -69,9 +69,9 @@ struct Attachments {
   bool stencil = false;                 // `depth` has one, which is used
   bool number_stencils = false;         // with `clear`: they start at their layer + 2
   std::uint32_t width = 0, height = 0;  // of the pass
-  std::uint32_t samples = 1;            // of a pixel: so many copies of the band below each other
-  std::int32_t first_row = 0;           // of the band in the picture
-  std::uint32_t picture_height = 0;
+  std::uint32_t samples = 1;            // of a pixel: copies of the band, below each other
+  std::int32_t first_row = 0;           // of the band in the image
+  std::uint32_t image_height = 0;
   std::uint32_t layers = 1;  // more: one instance to each
 };
 
@@ -122,7 +122,7 @@ class Recorder {
   // Far sides of boxes, culled by winding; push.p0 is the box.
   void draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeline, const Attachments& attachments);
   void dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, std::uint32_t groups_y);
-  // As many groups as the three words at `offset` say.
+  // The three words at `offset` are the numbers of groups.
   void dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset);
   void count_fullscreen_pass() { ++fullscreen_passes_; }
 

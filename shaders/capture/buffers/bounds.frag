@@ -1,0 +1,12 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "frame.glsl"
+#include "scene/fragment_input.glsl"
+// Nearest and farthest depth of every pixel. B: two words (bits); they start at kNone and 0.
+layout(std430, set = 0, binding = SLOT_B) buffer Bounds { uint bounds[]; };
+void main() {
+  const uint pixel = fragment_pixel();
+  const uint depth = floatBitsToUint(gl_FragCoord.z);
+  atomicMin(bounds[2u * pixel], depth);
+  atomicMax(bounds[2u * pixel + 1u], depth);
+}

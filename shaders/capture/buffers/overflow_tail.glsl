@@ -1,0 +1,27 @@
+// What found no place, as one translucent layer behind the rest: the weighted average of its colours, with the product of
+// its transmittances. Maule, Comba, Torchelsen, Bastos, "Hybrid Transparency", I3D 2013. Sums of whole numbers, so that
+// the order of fragments does not matter. E: five words a pixel; push.p3: units of 1.
+layout(std430, set = 0, binding = SLOT_E) buffer Tail { uint tail[]; };
+const uint kTailWords = 5u;  // opacity times red, green, blue; opacity; -log2 of transmittance
+const float kMostAbsorption = 16.0;
+
+void add_to_tail(uint pixel, vec4 color) {
+  const float unit = float(push.p3);
+  const uint at = kTailWords * pixel;
+  atomicAdd(tail[at], uint(round(unit * color.a * color.r)));
+  atomicAdd(tail[at + 1u], uint(round(unit * color.a * color.g)));
+  atomicAdd(tail[at + 2u], uint(round(unit * color.a * color.b)));
+  atomicAdd(tail[at + 3u], uint(round(unit * color.a)));
+  const float absorption = color.a < 1.0 ? min(-log2(1.0 - color.a), kMostAbsorption) : kMostAbsorption;
+  atomicAdd(tail[at + 4u], uint(round(unit * absorption)));
+}
+
+// Premultiplied colour, transmittance.
+vec4 tail_layer(uint pixel) {
+  const uint at = kTailWords * pixel;
+  if (tail[at + 3u] == 0u) return vec4(0.0, 0.0, 0.0, 1.0);
+  const float absorption = float(tail[at + 4u]) / float(push.p3);
+  const float transmittance = exp2(-absorption);
+  const vec3 average = vec3(tail[at], tail[at + 1u], tail[at + 2u]) / float(tail[at + 3u]);
+  return vec4((1.0 - transmittance) * average, transmittance);
+}

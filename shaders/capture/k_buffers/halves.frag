@@ -1,0 +1,16 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "frame.glsl"
+#include "scene/fragment_input.glsl"
+#define HALVES
+#include "capture/k_buffers/slots.glsl"
+#include "capture/k_buffers/halves_chain.glsl"
+#if defined(DEPTHS)
+// The depths of the nearest fragments of a pixel, as many as it has slots for.
+void main() { insert_depth(place_of(fragment_pixel()), floatBitsToUint(gl_FragCoord.z)); }
+#endif
+
+#if defined(IDS)
+// Second pass over the same fragments: which of them the depths are of (DEPTHS).
+void main() { insert_id(place_of(fragment_pixel()), floatBitsToUint(gl_FragCoord.z), fragment_id()); }
+#endif

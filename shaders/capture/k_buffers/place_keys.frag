@@ -1,0 +1,23 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "frame.glsl"
+#include "scene/fragment_input.glsl"
+#include "capture/keys.glsl"
+#include "capture/k_buffers/places.glsl"
+layout(std430, set = 0, binding = SLOT_A) buffer Pool { uint64_t pool[]; };
+// The nearest fragments of a pixel, as many as it has slots for: a chain of 64-bit minima (capture/insert_key.glsl).
+// A slot only ever gets smaller, and in the end they increase: a key may start behind any one that is smaller already.
+void main() {
+  const Place place = place_of(fragment_pixel());
+  if (place.keys == 0u) return;
+  const uint last = place.first + place.keys - 1u;
+  uint64_t key = make_key(gl_FragCoord.z, fragment_id());
+  if (key >= pool[last]) return;
+  uint begin = place.first;
+  for (uint end = last; begin < end;) {
+    const uint middle = (begin + end) / 2u;
+    if (pool[middle] < key) begin = middle + 1u;
+    else end = middle;
+  }
+  for (uint i = begin; i <= last && key != kNoKey; ++i) key = max(key, atomicMin(pool[i], key));
+}

@@ -1,7 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/fragment_input.glsl"
-// Opaque surfaces, drawn before anything is captured: see interface/opaque.glsl.
-layout(location = 0) out uvec2 nearest;
-void main() { nearest = uvec2(floatBitsToUint(gl_FragCoord.z) + 1u, fragment_color()); }

@@ -1,8 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/fragment_input.glsl"
-// Stencil routing: the stencil test lets the n-th fragment of a pixel into layer n, once. It comes after the shader:
-// what is discarded is not counted.
-layout(location = 0) out uvec4 node;
-void main() { node = uvec4(floatBitsToUint(gl_FragCoord.z), fragment_id(), fragment_color(), 0u); }

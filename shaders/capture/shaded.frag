@@ -1,7 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "../interface/frame.glsl"
-#include "../interface/counters.glsl"
-// Counts what the depth test lets through: fragments that an opaque draw shades.
-layout(early_fragment_tests) in;
-void main() { atomicAdd(counters.captured, 1u); }

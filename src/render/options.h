@@ -1,0 +1,21 @@
+// options.h - checks of options that need no device, and what effects have in common. The reference on the
+// CPU uses them as well as the renderer.
+#pragma once
+
+#include <cstddef>
+
+#include "pellucid/render.h"
+
+namespace pellucid::render {
+
+// Throws Error{bad_argument} where the state of an effect cannot tell `objects` objects apart.
+void check_effect(Effect effect, std::size_t objects);
+
+// Returns whether the effect blends colours in depth order, so that nothing behind an opaque surface matters.
+bool blends(Effect effect);
+
+// Throws Error{bad_argument} for parameters that are not numbers or out of range, and for an importance image
+// whose bytes do not match its size.
+void check_importance(const ImportanceOptions& options);
+
+}  // namespace pellucid::render

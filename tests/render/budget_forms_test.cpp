@@ -118,7 +118,7 @@ TEST_P(BudgetForms, FragmentsAtOneDepthAreKeptByTheirIds) {
   }
 }
 
-TEST_P(BudgetForms, SequenceOfDrawingDoesNotMatter) {
+TEST_P(BudgetForms, DrawOrderDoesNotMatter) {
   RenderScene scene = testing::random_stack(43, 120);
   const BudgetImage straight = draw(scene, 40 * kFormPixels);
   scene.draw_order.resize(scene.triangles.size());

@@ -159,7 +159,7 @@ TEST_P(Budget, TailsOfManyOpaqueFragmentsAreOpaque) {
   }
 }
 
-TEST_P(Budget, SequenceOfDrawingDoesNotMatter) {
+TEST_P(Budget, DrawOrderDoesNotMatter) {
   RenderScene scene = testing::random_stack(43, 90);
   for (const std::uint64_t memory : {100U, 3000U, 30U * kSide * kSide}) {
     scene.draw_order.clear();

@@ -8,7 +8,7 @@
 #include "sequencing/cache_order.h"
 #include "sequencing/fifo_cache.h"
 #include "sequencing/linear_order.h"
-#include "transparency/cluster/budget.h"
+#include "transparency/cluster/clustering.h"
 #include "transparency/graph/occlusion_graph.h"
 #include "transparency/graph/viewpoint_edges.h"
 

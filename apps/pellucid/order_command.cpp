@@ -176,7 +176,7 @@ OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommand
   report.statistics = result.statistics;
   if (options.check_views > 0) {
     const Stopwatch watch;
-    validate_orders(mesh, result.orders, options.check_views, picture_alpha(order), session, report);
+    validate_orders(mesh, result.orders, options.check_views, image_alpha(order), session, report);
     one.ordered.error = report.error;
     seconds_validate += watch.seconds();
   }
@@ -228,7 +228,7 @@ FrontierReport new_frontier_report(const OrderCommandOptions& options) {
   report.distances = options.order.distances;
   report.seed = options.order.seed;
   report.alpha = options.order.alpha;
-  report.image_alpha = picture_alpha(options.order);
+  report.image_alpha = image_alpha(options.order);
   report.max_error = options.order.max_error;
   report.min_psnr = options.order.min_psnr;
   report.least_frame_time = options.order.least_frame_time;
@@ -245,7 +245,7 @@ OrderReport new_report(const OrderCommandOptions& options) {
   report.cache_size = options.order.cache_size;
   report.cache_method = options.order.cache_method == CacheMethod::tipsify ? "tipsify" : "scheduled";
   report.alpha = options.order.alpha;
-  report.image_alpha = picture_alpha(options.order);
+  report.image_alpha = image_alpha(options.order);
   report.distances = options.order.distances;
   return report;
 }

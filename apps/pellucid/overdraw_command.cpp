@@ -70,60 +70,60 @@ void settle(OverdrawCommandOptions& options, const PosedSubject& posed) {
 
 // The orders that are measured: ours first, then the file's own order, then the other baselines.
 struct Compared {
-  std::vector<OverdrawRival> rivals;
+  std::vector<MeasuredOverdrawMethod> methods;
 };
 
 Compared make_compared(const OverdrawCommandOptions& options, const PosedSubject& posed,
                        const OverdrawSets& sets) {
   Compared compared;
   const std::string own = options.orders.method == OverdrawMethod::paper ? "paper" : "refined";
-  compared.rivals.push_back(rival_of(own, posed.subject, sets, options.orders.cache_size));
-  RivalOptions rivals;
-  rivals.names = {"input"};
+  compared.methods.push_back(method_of_sets(own, posed.subject, sets, options.orders.cache_size));
+  OverdrawBaselineOptions baselines;
+  baselines.names = {"input"};
   for (const std::string& name : baseline_list(options.baselines)) {
-    if (name != own && name != "input") rivals.names.push_back(name);
+    if (name != own && name != "input") baselines.names.push_back(name);
   }
-  rivals.orders = options.orders;
-  rivals.joint = !options.per_animation;
-  rivals.acmr = compared.rivals.front().acmr;
-  rivals.rest = posed.rest;
-  for (OverdrawRival& rival : make_overdraw_rivals(posed.subject, posed.frames, rivals))
-    compared.rivals.push_back(std::move(rival));
+  baselines.orders = options.orders;
+  baselines.joint = !options.per_animation;
+  baselines.acmr = compared.methods.front().acmr;
+  baselines.rest = posed.rest;
+  for (MeasuredOverdrawMethod& method : make_overdraw_baselines(posed.subject, posed.frames, baselines))
+    compared.methods.push_back(std::move(method));
   return compared;
 }
 
-OverdrawMeasurement measurement_of(const OverdrawCommandOptions& options, Session& session) {
-  OverdrawMeasurement measurement;
+PosedOverdrawOptions measurement_of(const OverdrawCommandOptions& options, Session& session) {
+  PosedOverdrawOptions measurement;
   measurement.viewpoints = options.check_views;
   measurement.min_distance = options.orders.min_distance;
   measurement.max_distance = options.orders.max_distance;
   measurement.size = options.orders.size;
-  measurement.most_pictures = options.max_images;
+  measurement.most_images = options.max_images;
   measurement.progress = session.progress();
   return measurement;
 }
 
 std::vector<OverdrawRow> measure_all(const Model& model, const OverdrawCommandOptions& options,
                                      const PosedSubject& posed, const Compared& compared, Session& session) {
-  std::vector<OverdrawContender> contenders;
-  for (const OverdrawRival& rival : compared.rivals) contenders.push_back(rival.contender);
-  const OverdrawMeasurement measurement = measurement_of(options, session);
-  const std::vector<OverdrawQuality> at_keys = measure_posed_overdraw(posed.subject, contenders, measurement);
+  std::vector<PosedDrawingMethod> drawings;
+  for (const MeasuredOverdrawMethod& method : compared.methods) drawings.push_back(method.drawing);
+  const PosedOverdrawOptions measurement = measurement_of(options, session);
+  const std::vector<OverdrawQuality> at_keys = measure_posed_overdraw(posed.subject, drawings, measurement);
 
   std::vector<OverdrawQuality> between;
   if (!posed.clips.empty()) {
     const PosesBetween poses = poses_between(model, posed, options.subject);
-    for (OverdrawContender& contender : contenders) {
-      contender.ranks = [inner = contender.ranks, &poses](std::uint32_t frame, const Viewpoint& viewpoint) {
+    for (PosedDrawingMethod& drawing : drawings) {
+      drawing.ranks = [inner = drawing.ranks, &poses](std::uint32_t frame, const Viewpoint& viewpoint) {
         return inner(poses.nearest[frame], viewpoint);
       };
     }
-    if (!poses.nearest.empty()) between = measure_posed_overdraw(poses.subject, contenders, measurement);
+    if (!poses.nearest.empty()) between = measure_posed_overdraw(poses.subject, drawings, measurement);
   }
   std::vector<OverdrawRow> rows;
-  for (std::size_t i = 0; i < compared.rivals.size(); ++i) {
-    const OverdrawRival& rival = compared.rivals[i];
-    rows.push_back({rival.name, rival.buffers, rival.acmr, at_keys[i], std::nullopt});
+  for (std::size_t i = 0; i < compared.methods.size(); ++i) {
+    const MeasuredOverdrawMethod& method = compared.methods[i];
+    rows.push_back({method.name, method.buffers, method.acmr, at_keys[i], std::nullopt});
     if (!between.empty()) rows.back().between = between[i];
   }
   return rows;
@@ -166,14 +166,14 @@ std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Com
                             2.2};
   const std::size_t count = std::min(kFrames, posed.frames.size());
   std::vector<std::vector<HeatMap>> sheet;
-  for (const OverdrawRival& rival : compared.rivals) {
+  for (const MeasuredOverdrawMethod& method : compared.methods) {
     sheet.emplace_back();
     for (std::size_t i = 0; i < count; ++i) {
       const auto frame = static_cast<std::uint32_t>(i * posed.frames.size() / count);
       HeatMap map;
       map.size = size;
       map.shaded =
-          shaded_fragments(posed.subject, frame, viewpoint, size, rival.contender.ranks(frame, viewpoint));
+          shaded_fragments(posed.subject, frame, viewpoint, size, method.drawing.ranks(frame, viewpoint));
       std::uint64_t shaded = 0;
       std::uint64_t covered = 0;
       for (const std::uint32_t n : map.shaded) {
@@ -182,8 +182,8 @@ std::vector<std::vector<HeatMap>> heat_maps(const PosedSubject& posed, const Com
       }
       const double ratio = covered > 0 ? static_cast<double>(shaded) / static_cast<double>(covered) : 0;
       const PosedFrame& at = posed.frames[frame];
-      map.label = posed.clips.empty() ? fmt::format("{}: {:.3f}", rival.name, ratio)
-                                      : fmt::format("{}, {} {:.2f} s: {:.3f}", rival.name,
+      map.label = posed.clips.empty() ? fmt::format("{}: {:.3f}", method.name, ratio)
+                                      : fmt::format("{}, {} {:.2f} s: {:.3f}", method.name,
                                                     posed.clips[at.clip].name, at.time, ratio);
       sheet.back().push_back(std::move(map));
     }

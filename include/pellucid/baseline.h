@@ -1,8 +1,9 @@
-// pellucid/baseline.h - module `baseline`: what programs do without precomputed orders, built well.
+// pellucid/baseline.h - module `baseline`: the methods that programs use without precomputed orders,
+// implemented well, so that order sets can be measured beside them (docs/baselines.md).
 //
 // In: a clean mesh and a viewpoint. Out: triangles in depth order, found with work in every frame or with
-// copies: centroid sort, binary space partition, presorted lists, and the best order of one view. They are
-// measured beside order sets (docs/baselines.md).
+// copies of triangles: centroid sort, binary space partition, depth-presorted lists, and the best order of
+// one view. Also the measurement of order sets and of overdraw orders beside their baselines.
 #pragma once
 
 #include <array>
@@ -21,29 +22,20 @@
 
 namespace pellucid {
 
-// Baseline: all triangles sorted by the distance of their centroid to the camera, front to back, the facing
-// that the camera sees. What a viewer does per frame on the CPU.
+// ------------------------------------------------------------------------------------------ centroid sort
+
+// Returns all triangles front to back by the distance of their centroids to the camera, each with the facing
+// that the camera sees. Viewers do this on the CPU in every frame.
 NodeSequence centroid_sorted(const Mesh& mesh, const BoundingSphere& sphere, const Viewpoint& viewpoint);
 
-// -------------------------------------------------------------- rivals: exact orders that cost run-time work
-//
-// What programs do without in-depth buffers, built well, to be measured beside them (docs/baselines.md).
-
-// Where the camera stands in object space: w = 1 a point, w = 0 infinitely far in a direction.
-struct Eye {
-  Vec3d at;
-  double w = 1;
-};
-Eye eye_of(const BoundingSphere& sphere, const Viewpoint& viewpoint);
-
-// All triangles sorted by the distance of their centroid in every frame: radix sort on 32-bit keys.
+// Sorts all triangles by the distance of their centroids, with a radix sort on 32-bit keys.
 class CentroidSort {
  public:
   CentroidSort(const Mesh& mesh, const BoundingSphere& sphere);
   struct Scratch {
     std::vector<std::uint64_t> keyed, swapped;  // key and triangle
   };
-  // Triangles front to back, equal distances in file order. O(triangles).
+  // Returns the triangles front to back; equal distances stay in file order. O(triangles).
   void sort(const Eye& eye, Scratch& scratch, std::vector<std::uint32_t>& triangles) const;
   [[nodiscard]] std::uint64_t memory_bytes() const { return centroids_.size() * sizeof(Vec3f); }
 
@@ -52,18 +44,21 @@ class CentroidSort {
   std::vector<Vec3f> centroids_;  // relative to the centre
 };
 
+// ---------------------------------------------------------------------------------- binary space partition
+
 // A plane as a renderer stores it: dot(normal, point) = offset.
 struct Plane {
   Vec3f normal;
   float offset = 0;
 };
-// > 0 in front of the plane.
+// Returns a value > 0 if the eye is in front of the plane.
 inline double side_of(const Plane& plane, const Eye& eye) {
   return dot(to_double(plane.normal), eye.at) - static_cast<double>(plane.offset) * eye.w;
 }
 
-// A binary space partition by planes of the triangles themselves; triangles that a plane crosses are split.
-// Fuchs, Kedem, Naylor, "On Visible Surface Generation by A Priori Tree Structures", SIGGRAPH 1980.
+// A binary space partition by the planes of the triangles themselves. Triangles that a plane crosses are
+// split. Based on: Fuchs, Kedem, Naylor, "On Visible Surface Generation by A Priori Tree Structures",
+// SIGGRAPH 1980.
 struct BspNode {
   Plane plane;
   std::uint32_t front = 0, back = 0;   // children; 0, the root: none
@@ -73,27 +68,29 @@ struct BspTree {
   Mesh mesh;                          // the pieces as triangles; vertices of the input first, no normals
   std::vector<std::uint32_t> source;  // per piece: the triangle of the input that it is a part of
   std::vector<BspNode> nodes;         // 0 is the root
-  std::uint64_t splits = 0;           // times that a piece was cut in two
-  bool complete = true;               // false: max_pieces was met, the tree is empty
+  std::uint64_t splits = 0;           // number of cuts of a piece in two
+  bool complete = true;               // false: more than max_pieces would be needed, and the tree is empty
 };
 struct BspOptions {
   std::uint64_t max_pieces = 5'000'000;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
 };
-// Expected O(n log n) for n pieces, O(n^2) where the mesh is convex. Deterministic.
+// Builds the partition. Expected O(n log n) for n pieces, O(n^2) if the mesh is convex. Deterministic.
 BspTree build_bsp(const Mesh& mesh, const BspOptions& options);
-// The pieces front to back for any eye, also inside the hull. O(pieces).
+// Returns the pieces front to back for any eye, also for one inside the convex hull. O(pieces).
 void walk_bsp(const BspTree& tree, const Eye& eye, std::vector<std::uint32_t>& pieces);
 
-// Depth-presorted triangle lists after Chen, Sander, Nehab, Yang, Hu, 2012, as Han et al. 2018 describe them:
-// for every region of view directions one list that merges the orders of all its viewpoints. A node may be in
-// it several times; plane tests see to it that exactly one of these copies is drawn. See docs/baselines.md
-// for what the text leaves open and what was assumed.
+// --------------------------------------------------------------------------- depth-presorted triangle lists
+
+// Every region of view directions has one list that merges the orders of all its viewpoints. A list can hold
+// a node several times; plane tests make sure that exactly one of these copies is drawn. Follows: Chen,
+// Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as Han et al. 2018 describe
+// it. docs/baselines.md says what the text leaves open and what was assumed.
 struct PresortedList {
   std::vector<NodeId> nodes;                // one per copy, front to back
   std::vector<std::uint32_t> test_offsets;  // copies + 1, into tests
-  // 2 * plane: the viewpoint must be in front of it or on it; 2 * plane + 1: behind.
+  // 2 * plane: the viewpoint must be in front of the plane or on it; 2 * plane + 1: behind it.
   std::vector<std::uint32_t> tests;
 };
 struct PresortedLists {
@@ -102,29 +99,32 @@ struct PresortedLists {
   std::vector<PresortedList> lists;
   std::vector<std::uint32_t> cell_lists;  // per view cell: index into lists
   std::vector<Plane> planes;
-  std::uint64_t violated_edges = 0;  // occlusions that no plane could put right
-  bool complete = true;              // false: a limit below was met, there are no lists
+  std::uint64_t violated_edges = 0;  // occlusions that no plane could correct
+  bool complete = true;  // false: a limit of PresortedOptions was exceeded, and there are no lists
 };
 struct PresortedOptions {
-  PartitionSpec partition{};      // the viewpoints that the lists are right for are its samples
+  PartitionSpec partition{};      // the lists are right for the samples of this partition
   std::uint32_t regions = 6;      // 1 .. number of cells
   std::vector<double> distances;  // as in OrderOptions
   Facing facing = Facing::duplicated;
-  std::uint32_t cache_size = 20;         // FIFO size that lists are optimised for; 0: leave them alone
-  std::uint64_t max_copies = 2'000'000;  // of one list
-  // Occlusions of one region, counted once per viewpoint; each takes about 35 bytes while its list is made.
+  std::uint32_t cache_size = 20;         // FIFO size that lists are optimised for; 0: do not optimise
+  std::uint64_t max_copies = 2'000'000;  // in one list
+  // The largest number of occlusions of one region, counted once per viewpoint. Each takes about 35 bytes
+  // while the list is made.
   std::uint64_t max_edges = 150'000'000;
   Progress* progress = nullptr;
 };
 PresortedLists build_presorted_lists(const Mesh& mesh, const PresortedOptions& options);
-// The list for a viewpoint; what a renderer walks.
+// Returns the list that a renderer walks for a view direction.
 const PresortedList& select_list(const PresortedLists& lists, const Vec3d& direction);
-// The copies that pass their tests, in the list's order. O(list).
+// Returns the copies that pass their tests, in the order of the list. O(list).
 void walk_list(const PresortedLists& lists, const PresortedList& list, const Eye& eye, NodeSequence& nodes);
 
-// Ranks of all nodes in the best order that is found for one viewpoint alone, by the raster: nodes in no
-// cycle are right, the others are sifted. Pixels that it draws wrong have no right order (up to what sifting
-// misses).
+// ------------------------------------------------------------------------------- the best order of one view
+
+// Returns the ranks of all nodes in the best order that is found for one viewpoint alone, from a raster.
+// Nodes that are in no cycle are in the right order; the others are sifted. So the pixels that this order
+// draws wrong have no right order, apart from what sifting misses.
 std::vector<std::uint32_t> best_ranks(const Mesh& mesh, const BoundingSphere& sphere,
                                       const Viewpoint& viewpoint, std::uint32_t raster_size, Facing facing);
 
@@ -137,31 +137,28 @@ struct MeasureSubject {
   const OrderSet* orders = nullptr;  // nodes refer to `mesh`
 };
 
-// Rivals to measure beside the order sets.
+// The baselines that are measured beside the order sets.
 struct Baselines {
   bool base = true, cache_optimized = true, centroid_sort = true;
   bool bsp = false, dptl = false;  // take time and memory to build
 };
-// "all", "none", or names with commas: "base,cache_optimized,centroid_sort,bsp,dptl". Throws
-// Error{bad_argument}.
+// Reads "all", "none", or names with commas between them: "base,cache_optimized,centroid_sort,bsp,dptl".
+// Throws Error{bad_argument} for other names.
 Baselines parse_baselines(const std::string& text);
-// Names that methods of any choice may have.
+// Returns all names that a measured baseline can have.
 std::span<const std::string_view> baseline_names();
 
-struct MeasureSettings {
-  std::uint32_t viewpoints = 900;
-  double min_distance = 2, max_distance = 5;
-  std::uint32_t size = 1024;
-  std::uint64_t seed = 20180501;
-  std::uint32_t cache_size = 20;
-  double alpha = 0.5;
+// What measure_subjects() measures, and how.
+struct MeasureSettings : MeasuredViews {
+  std::uint32_t cache_size = 20;  // FIFO size of the main vertex cache statistics
+  double alpha = 0.5;             // opacity of the surface
   Baselines baselines{};
 };
 
 enum class MethodKind { orders, baseline };
 
-// Caches that every method's ACMR is reported for, so that a reader sees what tuning for one size costs with
-// another.
+// The ACMR of every method is reported for these caches, so that a reader sees what an order that is
+// optimised for one size costs with another.
 struct ReportedCache {
   CacheModel model;
   std::uint32_t size;
@@ -173,14 +170,15 @@ constexpr std::array<ReportedCache, 5> kReportedCaches{{{CacheModel::fifo, 16, "
                                                         {CacheModel::lru, 16, "lru16"},
                                                         {CacheModel::lru, 32, "lru32"}}};
 
+// A method with its costs and its quality.
 struct MethodReport {
   MethodKind kind = MethodKind::orders;
   std::uint32_t buffers = 1;
   std::uint64_t memory_bytes = 0;     // index data when drawn
-  std::uint64_t auxiliary_bytes = 0;  // what else it needs: tables, planes, trees, centroids, new vertices
-  double build_seconds = -1;          // wall time of making it in this run; < 0: nothing was made
-  double nanoseconds_per_frame = 0;   // CPU work before a frame can be drawn
-  double triangles_submitted = 0;     // per frame, facing twins counted
+  std::uint64_t auxiliary_bytes = 0;  // other data: tables, planes, trees, centroids, new vertices
+  double build_seconds = -1;          // wall time of building it in this run; < 0: nothing was built
+  double nanoseconds_per_frame = 0;   // CPU time before a frame can be drawn
+  double triangles_submitted = 0;     // per frame; front-facing and back-facing copies count separately
   double plane_tests = 0;             // per frame
   std::uint64_t splits = 0;           // triangles and pieces that were cut in two
   BufferStatistics fifo;              // all buffers pooled
@@ -195,76 +193,87 @@ struct PrimitiveMeasureReport {
   std::string name;
   std::uint64_t triangles = 0, vertices = 0;
   std::vector<MethodReport> methods;  // the order sets first, then the baselines
-  std::vector<std::string> notes;     // what was asked for and left out, and why
+  std::vector<std::string> notes;     // which requested baselines were left out, and why
 };
 
-// Measure every subject that has orders, and beside them the rivals of the first subject's mesh: `original`
-// (the triangle order of `original`, drawn as viewers draw it: later triangles over earlier ones; null: left
-// out), `base` (the best single order of the set), `cache_optimized` (meshoptimizer's unconstrained vertex
-// cache order of all triangles), `cache_optimized_twins` (the same of every buffer of the set, with the nodes
-// that it holds: what its constraints cost), `centroid_sort` (sorted for every frame), `bsp` (walk of a
-// binary space partition) and `dptl` (depth-presorted triangle lists). The first subject decides the facing.
+// Measures every subject that has orders, and beside them the baselines of the first subject's mesh. The
+// first subject decides the facing. The baselines are:
+//   original               the triangle order of the mesh `original`, drawn as viewers draw it, later
+//   triangles over
+//                          earlier ones; left out if `original` is null
+//   base                   the base order of the set, its best single order
+//   cache_optimized        meshoptimizer's vertex cache order of all triangles, which ignores depth
+//   cache_optimized_twins  the same for every buffer of the set, with the nodes that the buffer holds: this
+//   shows
+//                          what the depth order costs in cache misses
+//   centroid_sort          all triangles sorted in every frame
+//   bsp                    the walk of a binary space partition
+//   dptl                   depth-presorted triangle lists
 PrimitiveMeasureReport measure_subjects(std::span<const MeasureSubject> subjects, const Mesh* original,
                                         const std::string& name, const MeasureSettings& settings,
                                         Progress* progress);
-// Viewpoints that overdraw is counted on: the first of those that quality is measured on.
+// Returns the number of viewpoints that overdraw is counted on. They are the first of those that quality is
+// measured on.
 std::uint32_t overdraw_viewpoints(const MeasureSettings& settings);
 
-// Ranks of all nodes when the order set is drawn from a viewpoint: its order, or the base order inside
-// valid_from.
+// Returns the ranks of all nodes when the order set is drawn from a viewpoint: in the order of its view cell,
+// or in the base order inside valid_from.
 std::vector<std::uint32_t> ranks_from(const Mesh& mesh, const OrderSet& orders, const Viewpoint& viewpoint);
-// Ranks of both facings when whole triangles are drawn front to back in this sequence.
-std::vector<std::uint32_t> ranks_of_triangles(std::span<const std::uint32_t> sequence,
+// Returns the ranks of both facings when whole triangles are drawn front to back in `order`.
+std::vector<std::uint32_t> ranks_of_triangles(std::span<const std::uint32_t> order,
                                               std::uint64_t triangle_count);
-// The triangle order of the file as viewers blend it: the last triangle is the nearest.
+// Returns the ranks of a triangle order as viewers blend it: the last triangle is the nearest.
 std::vector<std::uint32_t> ranks_as_stored(std::uint64_t triangle_count);
-// Baseline: triangles in meshoptimizer's vertex cache order, which knows nothing of depth.
-std::vector<std::uint32_t> cache_optimized_sequence(const Mesh& mesh);
-// The same nodes in meshoptimizer's vertex cache order.
+// Returns all triangles in meshoptimizer's vertex cache order, which ignores depth.
+std::vector<std::uint32_t> cache_optimized_order(const Mesh& mesh);
+// Returns the same nodes in meshoptimizer's vertex cache order.
 NodeSequence cache_optimized_nodes(const Mesh& mesh, const NodeSequence& nodes);
 
-// -------------------------------------------------------- measuring overdraw orders beside baselines
+// ------------------------------------------------------------- measuring overdraw orders beside baselines
 
-// A key frame of the subject: frame f of OverdrawSubject::frames shows clip `clip` at `time`.
+// A key frame of the subject: OverdrawSubject::frames[f] shows clip `clip` at `time`.
 struct PosedFrame {
   std::uint32_t clip = 0;
-  double time = 0;
+  double time = 0;  // seconds
 };
 
-// Orders for all key frames of a model: one set for all clips ("joint"), or one for each ("per animation").
+// The orders for all key frames of a model: one set for all clips ("joint"), or one set for each clip.
 struct OverdrawSets {
   std::vector<OverdrawOrders> sets;
-  std::vector<std::uint32_t> set_of;        // by frame
-  std::vector<std::uint32_t> frame_in_set;  // by frame
+  std::vector<std::uint32_t> set_of;        // by key frame
+  std::vector<std::uint32_t> frame_in_set;  // by key frame
   std::uint32_t view_level = 2;
 
   [[nodiscard]] std::uint32_t order_count() const;
 };
-// `joint`: one set; else one per clip, in the order of the clips.
+// Makes one set if `joint`, else one set per clip, in the order of the clips.
 OverdrawSets order_overdraw_sets(const OverdrawSubject& subject, const std::vector<PosedFrame>& frames,
                                  const OverdrawOptions& options, bool joint);
 
-// A way of drawing the subject, measured beside others.
-struct OverdrawRival {
+// A way of drawing the subject with what it costs: our orders, or a baseline.
+struct MeasuredOverdrawMethod {
   std::string name;  // "refined", "paper", "single", "per-frame", "meshopt", "original", "input"
   std::uint32_t buffers = 1;
-  double acmr = 0;              // mean over its buffers
-  OverdrawContender contender;  // holds its ranks by itself
+  double acmr = 0;             // mean over its buffers
+  PosedDrawingMethod drawing;  // owns its ranks
 };
-OverdrawRival rival_of(const std::string& name, const OverdrawSubject& subject, OverdrawSets sets,
-                       std::uint32_t cache_size);
+// Returns the method that draws every key frame in the order that `sets` choose for it.
+MeasuredOverdrawMethod method_of_sets(const std::string& name, const OverdrawSubject& subject,
+                                      OverdrawSets sets, std::uint32_t cache_size);
 
-struct RivalOptions {
+struct OverdrawBaselineOptions {
   std::vector<std::string> names;  // of "input", "original", "meshopt", "per-frame", "single", "paper"
-  OverdrawOptions orders;          // lambda, cache, buffers, seed: those of the orders they stand beside
-  bool joint = true;
-  double acmr = 0;          // meshopt: with the threshold that gives it at least so many misses per triangle
-  std::vector<Vec3f> rest;  // vertices of the rest pose: what meshopt is given
+  OverdrawOptions orders;   // lambda, cache, buffers, seed: as those of the orders they are compared with
+  bool joint = true;        // as in order_overdraw_sets()
+  double acmr = 0;          // meshopt: choose the least threshold with at least this many misses per triangle
+  std::vector<Vec3f> rest;  // vertices of the rest pose, which meshopt gets
 };
-std::vector<OverdrawRival> make_overdraw_rivals(const OverdrawSubject& subject,
-                                                const std::vector<PosedFrame>& frames,
-                                                const RivalOptions& options);
-// meshopt_optimizeVertexCache and meshopt_optimizeOverdraw of every part.
+// Makes the baselines of overdraw orders, in the order of their names. Throws Error{bad_argument} for other
+// names.
+std::vector<MeasuredOverdrawMethod> make_overdraw_baselines(const OverdrawSubject& subject,
+                                                            const std::vector<PosedFrame>& frames,
+                                                            const OverdrawBaselineOptions& options);
+// Returns meshopt_optimizeVertexCache() and meshopt_optimizeOverdraw() of every part.
 std::vector<std::uint32_t> meshopt_overdraw_order(const OverdrawSubject& subject,
                                                   const std::vector<Vec3f>& rest, float threshold);
 

@@ -1,7 +1,12 @@
-// pellucid/metric.h - module `metric`: how good an order is, by numbers and pictures.
+// pellucid/metric.h - module `metric`: measures how good an order is, in numbers and in images.
 //
-// Vertex cache: ACMR, ATVR. Overdraw: OVR. Transparency: IPR and PSNR of an order set against exact depth
-// order (In-Depth Buffers, section 7), over random viewpoints. Truth comes from the module `raster`.
+// In: a mesh, viewpoints, and for each viewpoint the ranks of an order. Out: image errors (IPR, PSNR) against
+// the exact depth order, overdraw (OVR), differences of images, and images that show them. The exact order
+// comes from the module `raster`. Vertex cache statistics (ACMR, ATVR) are in pellucid/sequencing.h. Follows:
+// Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 7.
+//
+// IPR is the share of incorrect pixels: of the covered pixels, those whose fragments are drawn in a wrong
+// order. OVR is the number of fragments that pass the depth test, divided by the number of covered pixels.
 #pragma once
 
 #include <algorithm>
@@ -22,42 +27,18 @@
 
 namespace pellucid {
 
-// --------------------------------------------------------------------------------------------- overdraw
+// ------------------------------------------------------------------------------------- order correctness
 
-struct OverdrawStatistics {
-  std::uint64_t covered = 0;  // pixels
-  std::uint64_t shaded = 0;   // fragments that pass a strict (less) depth test in drawing order
-  double overdraw = 0;        // shaded / covered, >= 1; 0 for nothing covered
-};
-// Front faces only, counted over all `viewpoints` (pooled), each drawn in the sequence that `choose` names.
-OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint> viewpoints,
-                                    std::uint32_t size,
-                                    const std::function<std::span<const NodeId>(const Viewpoint&)>& choose);
-
-// ------------------------------------------------------------------------- pictures of a translucent mesh
-
-// How fragments are put in order before blending.
-//   exact   by depth
-//   ranks   by position in a sequence (fragments of nodes without a rank are missing)
-// Returns the picture of the fragments of one frame.
-Image shade_exact(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
-                  const ShadingOptions& options);
-Image shade_ordered(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
-                    std::span<const std::uint32_t> ranks, const ShadingOptions& options);
-// The picture of the order errors (figures 3 and 6 of the paper): wrong pixels red over a pale silhouette.
-Image error_image(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks);
-
-// ----------------------------------------------------------------------------------- order correctness
-
-// One way of drawing the mesh, to be measured: ranks of all nodes for a viewpoint.
+// A way of drawing a mesh that is to be measured.
 struct DrawingMethod {
   std::string name;  // "budget", "acyclic", "original", "centroid_sort", "cache_optimized", ...
-  // Ranks (see ranks_of) for this viewpoint; called from several threads.
+  // Returns the ranks of all nodes (see ranks_of) for a viewpoint. Called from several threads.
   std::function<std::vector<std::uint32_t>(const Viewpoint&)> ranks;
 };
 
+// Errors in one range of distances.
 struct DistanceError {
-  double distance = 0;  // upper end of the bin, bounding radii
+  double distance = 0;  // upper end of the range, bounding radii
   double ipr = 0;
   double psnr = 0;
 };
@@ -65,76 +46,109 @@ struct DistanceError {
 struct MethodQuality {
   std::string name;
   double ipr_mean = 0, ipr_max = 0;    // mean and worst over the viewpoints
-  double psnr_mean = 0, psnr_min = 0;  // dB over foreground pixels, frames without error count as 100 dB
+  double psnr_mean = 0, psnr_min = 0;  // dB over covered pixels; frames without an error count as 100 dB
   std::vector<DistanceError> by_distance;
   std::vector<FrameError> frames;  // one per viewpoint, in their order
 };
 
-struct MeasureOptions {
+// The random viewpoints that orders are measured on, and the size of their images.
+struct MeasuredViews {
   std::uint32_t viewpoints = 900;
   double min_distance = 2, max_distance = 5;  // bounding radii
   std::uint32_t size = 1024;                  // pixels per side
-  std::uint64_t seed = 20180501;              // held out: never the seed of anything that trains
+  std::uint64_t seed = 20180501;              // must differ from the seeds that orders are made with
+};
+
+struct MeasureOptions : MeasuredViews {
   Facing facing = Facing::duplicated;
   ShadingOptions shading;
   Progress* progress = nullptr;
 };
-// All methods over the same frames: every frame is rasterised once. O(viewpoints * (raster + methods)).
+// Measures all methods on the same frames; every frame is rasterised once. O(viewpoints * (raster +
+// methods)).
 std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<const DrawingMethod> methods,
                                                  const MeasureOptions& options);
 
-// ------------------------------------------------------------------------- overdraw of animated meshes
+// -------------------------------------------------------------------------- images of a translucent mesh
 
+// Returns the image of a frame whose fragments are blended by depth.
+Image shade_exact(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
+                  const ShadingOptions& options);
+// Returns the image of a frame whose fragments are blended by rank. Fragments of nodes without a rank are
+// left out.
+Image shade_ordered(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
+                    std::span<const std::uint32_t> ranks, const ShadingOptions& options);
+// Returns an image that shows where the order is wrong: these pixels are red over a pale silhouette (figures
+// 3 and 6 of the paper).
+Image error_image(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks);
+
+// ----------------------------------------------------------------------------- overdraw of static meshes
+
+struct OverdrawStatistics {
+  std::uint64_t covered = 0;  // pixels
+  std::uint64_t shaded = 0;   // fragments that pass a strict (less) depth test in draw order
+  double overdraw = 0;        // shaded / covered, >= 1; 0 if no pixel is covered
+};
+// Counts the fragments of front faces over all `viewpoints`, pooled. `choose` returns the order that each
+// viewpoint is drawn in.
+OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint> viewpoints,
+                                    std::uint32_t size,
+                                    const std::function<std::span<const NodeId>(const Viewpoint&)>& choose);
+
+// --------------------------------------------------------------------------- overdraw of animated meshes
+
+// An opaque mesh in one or more poses.
 struct OverdrawSubject {
   std::vector<Triangle> triangles;
-  // Draw calls: the triangles of a part are drawn one after the other, with nothing of another part between
-  // them. The first triangle of every part, ascending from 0.
+  // Draw calls. The triangles of a part are drawn one after another, with no triangle of another part between
+  // them. Holds the first triangle of every part, ascending from 0.
   std::vector<std::uint32_t> parts{0};
-  // By triangle: its back is drawn, too. Empty: back faces are culled.
+  // By triangle: 1 if its back face is drawn, too. Empty: back faces are culled.
   std::vector<std::uint8_t> double_sided;
-  // Vertex positions of every pose, all of one size. A static mesh has one.
+  // Vertex positions of every pose, all of the same size. A static mesh has one pose.
   std::vector<std::vector<Vec3f>> frames;
 };
 
-// Of every frame, round the vertices that triangles use.
+// Returns the bounding sphere of every pose, around the vertices that triangles use.
 std::vector<BoundingSphere> pose_spheres(const OverdrawSubject& subject);
 
-// Misses per triangle when each of the orders is drawn by itself, mean.
-double acmr_of(const OverdrawSubject& subject, const std::vector<std::vector<std::uint32_t>>& sequences,
+// Returns the cache misses per triangle when each of the orders is drawn by itself: their mean.
+double acmr_of(const OverdrawSubject& subject, const std::vector<std::vector<std::uint32_t>>& orders,
                std::uint32_t cache_size);
 
-// One way of drawing the subject: where every triangle stands in the sequence that draws a pose from a
-// viewpoint. Called from several threads at once.
-struct OverdrawContender {
+// A way of drawing the poses of a subject that is to be measured.
+struct PosedDrawingMethod {
   std::string name;
+  // Returns the rank of every triangle in the order that draws a pose from a viewpoint. Called from several
+  // threads. The ranks must stay valid until the measurement is over.
   std::function<std::span<const std::uint32_t>(std::uint32_t frame, const Viewpoint& viewpoint)> ranks;
 };
 
 struct OverdrawQuality {
   std::string name;
-  double mean = 0, max = 0;      // over the pictures that anything was seen in
-  std::vector<double> by_frame;  // mean over its pictures; 0 where nothing was seen
+  double mean = 0, max = 0;      // over the images that have covered pixels
+  std::vector<double> by_frame;  // mean over the images of a pose; 0 if none has covered pixels
 };
 
-struct OverdrawMeasurement {
-  // Held out: never the seed of anything that trains. Viewpoints within three radii, as in the paper.
+struct PosedOverdrawOptions {
   std::uint32_t viewpoints = 300;
-  double min_distance = 1.5, max_distance = 3;
-  std::uint64_t seed = 20170928;
-  std::uint32_t size = 256;
-  // Pictures in all: where frames x viewpoints are more, every frame is seen from some of the viewpoints, and
-  // every viewpoint sees some of the frames. 0: all.
-  std::uint64_t most_pictures = 0;
+  double min_distance = 1.5, max_distance = 3;  // bounding radii; at most 3, as in the paper
+  std::uint64_t seed = 20170928;                // must differ from the seeds that orders are made with
+  std::uint32_t size = 256;                     // pixels per side
+  // The largest number of images. If poses x viewpoints is more, every pose is seen from some of the
+  // viewpoints, and every viewpoint sees some of the poses. 0: no limit.
+  std::uint64_t most_images = 0;
   Progress* progress = nullptr;
 };
-// All contenders on the same pictures, fragment by fragment: it knows nothing of patches, and so checks what
-// order_overdraw() counts.
+// Measures all methods on the same images, fragment by fragment. It knows nothing of patches, and so it
+// checks what order_overdraw() counts.
 std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subject,
-                                                    std::span<const OverdrawContender> contenders,
-                                                    const OverdrawMeasurement& options);
+                                                    std::span<const PosedDrawingMethod> methods,
+                                                    const PosedOverdrawOptions& options);
 
-// Fragments of one pixel, sorted by depth, that pass a strict depth test when drawn by rank_of(fragment): of
-// those at one depth only the first drawn can. Fragments of the greatest rank are not drawn.
+// Counts the fragments of one pixel that pass a strict depth test when they are drawn in the order of
+// rank_of(fragment). `fragments` are sorted by depth. Of fragments at the same depth only the first drawn one
+// can pass. Fragments of the greatest rank are not drawn.
 template <class RankOf>
 std::uint32_t count_shaded(std::span<const Fragment> fragments, const RankOf& rank_of) {
   constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
@@ -152,54 +166,57 @@ std::uint32_t count_shaded(std::span<const Fragment> fragments, const RankOf& ra
   return shaded;
 }
 
-// Fragments shaded at every pixel of one picture, size x size, upper row first.
+// Returns the number of fragments that pass the depth test at every pixel of one image: size x size, upper
+// row first.
 std::vector<std::uint32_t> shaded_fragments(const OverdrawSubject& subject, std::uint32_t frame,
                                             const Viewpoint& viewpoint, std::uint32_t size,
                                             std::span<const std::uint32_t> ranks);
 
-// ranks[triangle] = its place in the sequence.
-std::vector<std::uint32_t> triangle_ranks(std::span<const std::uint32_t> sequence);
+// Returns ranks[triangle], the position of each triangle in `order`.
+std::vector<std::uint32_t> triangle_ranks(std::span<const std::uint32_t> order);
 
 // ------------------------------------------------------------------------------- differences of two images
 
-// Of sRGB colours, 0..1, without rounding to 8 bits.
+// Measured on sRGB colours, 0..1, that are not rounded to 8 bits.
 struct ImageError {
-  double psnr = 100;            // dB over covered pixels; 100 at most
+  double psnr = 100;            // dB over covered pixels; at most 100
   double largest = 0;           // difference of a channel
   std::uint64_t differing = 0;  // pixels that differ by more than 1/255 in a channel
 };
-// Linear colours of two pictures of the same size. Pixels that nothing covers are background in both.
+// Compares the linear colours of two images of the same size. Pixels that nothing covers are background in
+// both.
 ImageError image_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
                        std::uint64_t covered_pixels);
 
-// What the eye notices, over covered pixels: both are sums over the picture by their number.
+// What the eye notices. Both are sums over the image, divided by the number of covered pixels.
 struct PerceivedError {
-  // Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 2004) of sRGB luma, window of
-  // Gaussian weights, sigma 1.5, 11 x 11 pixels; 1: equal.
+  // Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 2004) of sRGB luma, with a Gaussian
+  // window of sigma 1.5 and 11 x 11 pixels. 1: equal.
   double ssim = 1;
-  // The colour part of FLIP (Andersson et al., HPG 2020) in its simplest form: mean HyAB distance in CIELAB,
-  // the sum of the difference in lightness and the Euclidean one in hue and chroma, after a Gaussian, sigma 1
-  // pixel, in linear light in place of its filters; no edges. 0: equal; 100: black and white.
+  // The colour part of FLIP (Andersson et al., HPG 2020) in its simplest form: the mean HyAB distance in
+  // CIELAB, which is the sum of the difference in lightness and the Euclidean one in hue and chroma. A
+  // Gaussian of sigma 1 pixel in linear light replaces FLIP's filters; edges are not measured. 0: equal; 100:
+  // black and white.
   double hyab = 0;
 };
 PerceivedError perceived_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
                                std::uint32_t width, std::uint32_t height, std::uint64_t covered_pixels);
 
-// How much more a sequence of pictures changes than the exact one: the change of the error from picture to
-// picture, |(A' - A) - (E' - E)|, mean over covered pixels, channels and steps; in 1/255 of a channel, sRGB.
+// Measures how much the error changes from one image of a series to the next: |(A' - A) - (E' - E)|, mean
+// over covered pixels, channels and steps, in 1/255 of an sRGB channel.
 class Flicker {
  public:
-  // The next picture, and what it would be; linear colours. `covered_pixels` of the exact one.
+  // Adds the next image and its exact version, in linear colours. `covered_pixels`: of the exact one.
   void add(std::span<const Vec3f> exact, std::span<const Vec3f> drawn, std::uint64_t covered_pixels);
-  [[nodiscard]] std::optional<double> mean() const;  // none: fewer than two pictures
+  [[nodiscard]] std::optional<double> mean() const;  // none for fewer than two images
 
  private:
-  std::vector<float> error_;  // of the last picture
+  std::vector<float> error_;  // of the last image
   double sum_ = 0;
   std::uint64_t steps_ = 0;
 };
 
-// White where two pictures agree, from pale to dark red where they do not.
+// Returns an image that is white where two images agree, and pale to dark red where they differ.
 Image difference_image(const Image& exact, const Image& drawn);
 
 }  // namespace pellucid

@@ -1,14 +1,15 @@
-// pellucid/overdraw.h - module `overdraw`: a few triangle orders that reduce overdraw, for all views and
-// poses.
+// pellucid/overdraw.h - module `overdraw`: computes a few triangle orders that reduce overdraw, for all views
+// and poses.
 //
-// In: an opaque mesh and its poses. Out: k orders of its patches and the table that says which of them draws
-// which key frame best from which direction. Every order draws the right picture; good ones draw what is
-// visible first, so that the depth test rejects the rest before it is shaded.
+// In: an opaque mesh and its poses. Out: k orders of its patches, and a table that says which of them draws
+// which key frame best from which direction. Every order draws the same image. Good orders draw visible
+// triangles first, so that the depth test rejects the hidden fragments before they are shaded. A patch is a
+// run of triangles that stay together.
 // Follows: Han, Sander, "Triangle Reordering for Efficient Rendering in Complex Scenes", JCGT 6(3), 2017
-// (OverdrawMethod::paper), and goes beyond it (OverdrawMethod::refined, docs/overdraw.md).
+// (OverdrawMethod::paper), and extends it (OverdrawMethod::refined, docs/overdraw.md).
 //
-// Overdraw (OVR) of a picture: fragments shaded / pixels covered, with a strict depth test in drawing order.
-// 1 is the least. Excess overdraw is OVR - 1.
+// Overdraw (OVR) of an image is the number of shaded fragments divided by the number of covered pixels, with
+// a strict depth test in draw order. 1 is the least. Excess overdraw is OVR - 1.
 #pragma once
 
 #include <cstdint>
@@ -25,31 +26,32 @@ namespace pellucid {
 
 enum class OverdrawMethod {
   paper,    // Algorithm 1: patches by summed distance
-  refined,  // patches by measured overdraw, cut where it pays
+  refined,  // patches by measured overdraw, cut where that reduces it
 };
 
 struct OverdrawOptions {
   OverdrawMethod method = OverdrawMethod::refined;
-  std::uint32_t buffers = 5;
+  std::uint32_t buffers = 5;  // orders, at most 256
   // Cuts the cache-friendly order into patches (section 3.1): a patch ends when its misses per triangle fall
   // below lambda. 3: every triangle is a patch.
   double lambda = 0.85;
-  // refined: misses per triangle that its orders may have. Unset: those of the paper's method with this
-  // lambda.
+  // refined: the largest number of misses per triangle of its orders. Unset: that of the paper's method with
+  // this lambda.
   std::optional<double> acmr{};
   std::uint32_t cache_size = 16;  // FIFO entries
   std::uint32_t view_level = 2;   // viewpoints: the 10 * 4^n + 2 vertices of an icosphere, 162
-  // Distances of these viewpoints, bounding radii: spread over the range.
+  // The range that the distances of these viewpoints are spread over, bounding radii.
   double min_distance = 1.5, max_distance = 3;
-  std::uint32_t size = 256;  // pixels per side of the pictures that overdraw is counted in
-  // Views that orders are made from. The others get the order of the same viewpoint in the key frames around
-  // theirs where these agree, else the cheapest for them. 0: all.
+  std::uint32_t size = 256;  // pixels per side of the images that overdraw is counted in
+  // The largest number of views that orders are made from. The other views get the order of the same
+  // viewpoint in the key frames before and after if these agree, or else the cheapest order for them. 0: all
+  // views.
   std::uint32_t most_training_views = 6000;
-  // Layers behind pixels, of all these views together, that are kept: of deep models some pixels are left
-  // out. 12 bytes each, at most.
+  // The largest number of layers behind pixels that are stored, for all these views together. Of models with
+  // many layers, some pixels are left out. At most 12 bytes each.
   std::uint64_t most_layers = 6'000'000;
-  // Views that get an order of their own: of more, only some key frames do, and the others what the nearest
-  // of these has.
+  // The largest number of views with an order of their own. If there are more, only some key frames have
+  // orders of their own, and the others use those of the nearest of these.
   std::uint64_t most_views = 30'000;
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
@@ -62,7 +64,7 @@ struct OverdrawSeconds {
 struct OverdrawRun {
   std::uint64_t patches = 0;
   std::uint64_t views = 0, training_views = 0;  // key frames x viewpoints
-  std::uint64_t lists = 0;                      // distinct sequences of patches behind a pixel
+  std::uint64_t lists = 0;                      // distinct lists of patches behind a pixel
   std::uint32_t iterations = 0;
   double training_overdraw = 0;  // mean over the training views
   double acmr = 0;               // mean over the orders
@@ -72,34 +74,35 @@ struct OverdrawRun {
 
 struct OverdrawOrders {
   // All triangles, patch by patch: patch p is triangles sequence[patch_offsets[p] .. patch_offsets[p + 1]).
-  // Patches in this sequence are the best single order for all views.
+  // The patches in this order are the best single order for all views.
   std::vector<std::uint32_t> sequence;
   std::vector<std::uint32_t> patch_offsets;
   std::vector<std::uint32_t> patch_parts;          // part of every patch
-  std::vector<std::vector<std::uint32_t>> orders;  // patches as they are drawn
-  std::vector<BoundingSphere> spheres;             // of every frame: viewpoints are relative to it
+  std::vector<std::vector<std::uint32_t>> orders;  // patches in draw order
+  std::vector<BoundingSphere> spheres;             // of every frame; viewpoints are relative to it
   std::vector<std::uint32_t> cell_orders;          // frames x viewpoints (P[view_level]): index into orders
   OverdrawRun run;
 };
 
-// Throws Error{nothing_to_do} without triangles or frames, Error{bad_argument} for options that make no
-// sense. Deterministic for any number of threads.
+// Orders the patches of a subject. Throws Error{nothing_to_do} without triangles or frames, and
+// Error{bad_argument} for options that are out of range. Deterministic for any number of threads.
 OverdrawOrders order_overdraw(const OverdrawSubject& subject, const OverdrawOptions& options);
 
-// The cheapest of these orders for every frame of `poses` and every viewpoint: frames x viewpoints. `poses`
-// has the triangles and parts that the orders were made for. O(frames * viewpoints * raster).
+// Returns the cheapest of these orders for every frame of `poses` and every viewpoint: frames x viewpoints.
+// `poses` must have the triangles and parts that the orders were made for. O(frames * viewpoints * raster).
 std::vector<std::uint32_t> cheapest_orders(const OverdrawSubject& poses, const OverdrawOrders& orders,
                                            const OverdrawOptions& options);
 
-// Triangles in drawing order.
-std::vector<std::uint32_t> triangle_sequence(const OverdrawOrders& orders, std::uint32_t order);
+// Returns the triangles of an order, in draw order.
+std::vector<std::uint32_t> triangle_order(const OverdrawOrders& orders, std::uint32_t order);
 
-// The cache-only order: tipsify of every part (Sander, Nehab, Barczak, SIGGRAPH 2007), cache of `cache_size`.
+// Returns an order for the vertex cache alone: tipsify of every part (Sander, Nehab, Barczak, SIGGRAPH 2007).
+// `cache_size`: FIFO entries.
 std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint32_t cache_size);
 
-// The overdraw order of Sander et al. 2007 for one pose, without regard to views: `cached` (a cache_order())
-// in patches of `lambda`, those first that lie outside and face outwards. What the paper applies to every
-// frame by itself ("tipsify").
+// Returns the overdraw order of Sander et al. 2007 for one pose, which does not depend on views: `cached` (a
+// cache_order()) is cut into patches with `lambda`, and patches that lie outside and face outwards come
+// first. The paper applies it to every frame by itself ("tipsify").
 std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject, std::uint32_t frame,
                                                  std::span<const std::uint32_t> cached, double lambda,
                                                  std::uint32_t cache_size);

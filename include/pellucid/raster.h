@@ -37,6 +37,15 @@ struct Camera {
 Camera look_at_sphere(const BoundingSphere& sphere, const Viewpoint& viewpoint, std::uint32_t width,
                       std::uint32_t height);
 
+// A camera position in homogeneous coordinates. w = 1: the point `at`. w = 0: infinitely far away in
+// direction `at`.
+struct Eye {
+  Vec3d at;
+  double w = 1;
+};
+// Returns the position of a viewpoint in object space.
+Eye eye_of(const BoundingSphere& sphere, const Viewpoint& viewpoint);
+
 // One triangle at one pixel centre.
 struct Fragment {
   // 0 (near plane) to 1 (far plane). Perspective: (1/near - 1/z) / (1/near - 1/far). Orthographic: (z - near)

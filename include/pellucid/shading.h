@@ -1,9 +1,10 @@
-// pellucid/shading.h - module `metric`, second header: what a pixel's fragments look like and blend to, and
-// how far a frame in a wrong order is off.
+// pellucid/shading.h - module `metric`, second header: shades and blends the fragments of a pixel, and
+// measures the error of a frame that is drawn in a wrong order.
 //
-// The two shaders of In-Depth Buffers, section 7 and figure 4: a translucent surface lit per pixel, and depth
-// turned into colour. Orders may be steered by these pictures (OrderOptions::min_psnr), and the module
-// `metric` judges by them: the same code, the same figures. Colours are linear until a pixel is finished.
+// In: fragments of the module `raster`, and ranks. Out: colours, and counts of wrong pixels. There are two
+// shaders (In-Depth Buffers, section 7 and figure 4): a translucent surface lit per pixel, and depth turned
+// into colour. Orders can be optimised for these images (OrderOptions::min_psnr), and the module `metric`
+// measures with the same code. Colours are linear until a pixel is finished.
 #pragma once
 
 #include <array>
@@ -17,11 +18,11 @@
 
 namespace pellucid {
 
-// How a fragment looks: per-pixel lighting of a translucent surface, or the smoother depth-to-colour ramp in
-// which order errors show best.
+// How a fragment is shaded: with per-pixel lighting of a translucent surface, or with a smooth ramp from
+// depth to colour, which shows order errors best.
 enum class Shading { lit, depth };
 
-// Linear RGB, and the opacity of a sheet seen head-on.
+// Linear RGB, and the opacity of a sheet that is seen head-on.
 struct SurfaceLook {
   Vec3f color{0.09F, 0.34F, 0.68F};
   double alpha = 0.5;
@@ -32,8 +33,8 @@ struct ShadingOptions {
   double alpha = 0.5;
   Vec3f color{0.09F, 0.34F, 0.68F};  // linear RGB of the surface
   Vec3f background{1, 1, 1};
-  // Surfaces that differ, with Shading::lit: the look of every triangle, an index into `looks`. Empty: all
-  // have the colour and alpha above.
+  // With Shading::lit, surfaces can differ: `triangle_looks` holds an index into `looks` for every triangle.
+  // Empty: all triangles have the colour and alpha above.
   std::vector<SurfaceLook> looks{};
   std::vector<std::uint32_t> triangle_looks{};
 };
@@ -50,15 +51,16 @@ class FragmentShader {
   // Keeps references to the mesh; computes vertex normals where it has none.
   FragmentShader(const Mesh& mesh, const Camera& camera, const ShadingOptions& options);
 
-  // Replace `shaded` by a pixel's fragments, in their order.
+  // Replaces `shaded` by the shaded fragments of a pixel, in the order of `fragments`.
   void shade(std::uint64_t pixel, std::span<const Fragment> fragments,
              std::vector<ShadedFragment>& shaded) const;
-  // The same, lit, with looks that differ from place to place: one for each fragment.
+  // Does the same with Shading::lit and one look for each fragment.
   void shade(std::uint64_t pixel, std::span<const Fragment> fragments, std::span<const SurfaceLook> looks,
              std::vector<ShadedFragment>& shaded) const;
-  // Colours put "over" each other and the background, the first one in front; sRGB, 0..1.
+  // Blends the fragments and the background with the operator "over"; the first fragment is in front. Returns
+  // sRGB, 0..1.
   [[nodiscard]] Vec3d blend(std::span<const ShadedFragment> front_to_back) const;
-  // sRGB colour of a pixel without fragments.
+  // Returns the sRGB colour of a pixel without fragments.
   [[nodiscard]] Vec3d background() const;
 
  private:
@@ -69,7 +71,7 @@ class FragmentShader {
   [[nodiscard]] ShadedFragment shade_lit(const Ray& ray, NodeId node, const Vec3f& color,
                                          double log2_transmittance) const;
   [[nodiscard]] ShadedFragment shade_depth(const Fragment& fragment) const;
-  // Interpolated where the ray meets the triangle, unit length, on the side that the node shows.
+  // Returns the unit normal, interpolated where the ray meets the triangle, on the side that the node shows.
   [[nodiscard]] Vec3d normal_at(const Ray& ray, NodeId node) const;
 
   const Mesh& mesh_;
@@ -85,17 +87,17 @@ class FragmentShader {
 double srgb_from_linear(double linear);
 double linear_from_srgb(double encoded);
 
-// Put a pixel's fragments in drawing order; those without a rank are taken out.
+// Sorts the fragments of a pixel by rank, and removes those without a rank.
 void put_in_drawn_order(std::vector<ShadedFragment>& fragments, std::span<const std::uint32_t> ranks);
 
-// Is the drawing order of one pixel's fragments (sorted by depth) right? Wrong: a fragment's node has no
-// rank, or a nearer fragment comes later. Fragments whose depths differ by no more than kDepthTie count as
-// coincident: they may come in either order.
+// Returns whether the fragments of one pixel (sorted by depth) are drawn in the right order. The order is
+// wrong if the node of a fragment has no rank, or if a nearer fragment comes later. Fragments whose depths
+// differ by at most kDepthTie count as coincident and may come in either order.
 constexpr float kDepthTie = 1e-6F;  // of the 0..1 depth range
 bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
 
-// Does verified blending (render.h) leave it as it is? Each fragment has to be drawn after all that are
-// nearer, and none may lie at the depth of another one.
+// Returns whether verified blending (render.h) leaves the pixel as it is: each fragment is drawn after all
+// nearer ones, and no two fragments have the same depth.
 bool pixel_is_verified(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
 
 struct PixelCount {
@@ -109,16 +111,15 @@ constexpr double kPerfectPsnr = 100;  // dB, for frames without any error
 
 struct FrameError {
   std::uint64_t foreground = 0;  // pixels with at least one fragment
-  std::uint64_t incorrect = 0;  // pixels whose drawing order contradicts depth order, or that miss a fragment
-  std::uint64_t repaired = 0;   // pixels that verified blending would repair: pixel_is_verified()
-  double squared_error = 0;     // summed over foreground pixels and the three channels, in [0,1] sRGB units
+  std::uint64_t incorrect = 0;   // pixels that are drawn in a wrong order, or that miss a fragment
+  std::uint64_t repaired = 0;    // pixels that verified blending would repair: pixel_is_verified()
+  double squared_error = 0;      // summed over foreground pixels and the three channels, in [0,1] sRGB units
   [[nodiscard]] double ipr() const {
     return foreground == 0 ? 0 : static_cast<double>(incorrect) / static_cast<double>(foreground);
   }
   [[nodiscard]] double psnr() const;  // dB over foreground pixels, at most kPerfectPsnr
 };
-// Fragments of equal depth (within a few units in the last place of the fragment depth) may come in either
-// order.
+// Measures the error of one frame: `fragments` drawn in the order of `ranks`, against the order by depth.
 FrameError frame_error(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                        std::span<const std::uint32_t> ranks, const ShadingOptions& shading);
 

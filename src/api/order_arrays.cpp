@@ -67,7 +67,7 @@ OrderSet as_order_set(const OverdrawOrders& made, const Mesh& mesh, const Overdr
   set.patch_offsets = made.patch_offsets;
   for (std::uint32_t order = 0; order < made.orders.size(); ++order) {
     NodeSequence nodes;
-    for (const std::uint32_t triangle : triangle_sequence(made, order))
+    for (const std::uint32_t triangle : triangle_order(made, order))
       nodes.push_back(node_of(triangle, false));
     set.orders.push_back(std::move(nodes));
   }

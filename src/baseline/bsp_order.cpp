@@ -13,13 +13,13 @@
 namespace pellucid {
 namespace {
 
-// Nearer to a plane than this (bounding radii) is in it: float32 positions of flat surfaces scatter by 1e-7,
-// and an order that is wrong by this much shows nowhere.
+// A point that is nearer to a plane than this (bounding radii) lies in it. The float32 positions of flat
+// surfaces scatter by 1e-7, and an order that is wrong by this much is not visible.
 constexpr double kThickness = 1e-6;
 // Splitters tried per node, and polygons that each is tried on.
 constexpr std::uint32_t kCandidates = 12;
 constexpr std::uint32_t kTrialPolygons = 128;
-// What a split weighs against one polygon of imbalance between the two sides.
+// The cost of a split, relative to one polygon of imbalance between the two sides.
 constexpr double kSplitWeight = 6;
 
 struct Polygon {
@@ -78,7 +78,7 @@ class BspBuilder {
     bool in_front = false;
   };
 
-  // Through the points of the input, so that pieces keep the plane of their source.
+  // Returns the plane through the points of the input, so that pieces keep the plane of their source.
   [[nodiscard]] PlaneD plane_of(std::uint32_t triangle) const {
     const Triangle& t = mesh_.triangles[triangle];
     const Vec3d normal = normalized(cross(points_[t[1]] - points_[t[0]], points_[t[2]] - points_[t[0]]));
@@ -106,7 +106,7 @@ class BspBuilder {
     return back ? Side::back : Side::in_plane;
   }
 
-  // The triangle whose plane splits few of the polygons and leaves about as many on either side.
+  // Returns the triangle whose plane splits few polygons and leaves about as many on either side.
   [[nodiscard]] std::uint32_t choose_splitter(const std::vector<Polygon>& polygons) {
     const std::size_t stride = (polygons.size() + kTrialPolygons - 1) / kTrialPolygons;
     std::uint32_t best = polygons.front().source;
@@ -145,7 +145,8 @@ class BspBuilder {
     std::vector<Polygon> back;
     cuts_.clear();
     for (Polygon& polygon : work.polygons) {
-      // A sliver's own plane may be too uncertain for its own corners; it lies in it all the same.
+      // The plane of a sliver may be too uncertain for its own corners. The sliver still counts as lying in
+      // it.
       const Side side = polygon.source == splitter ? Side::in_plane : classify(plane, polygon);
       switch (side) {
         case Side::front:
@@ -173,7 +174,7 @@ class BspBuilder {
             static_cast<float>(plane.offset * sphere_.radius + dot(plane.normal, sphere_.center))};
   }
 
-  // Convex polygon to fan. Corners in a row make parts without area, which draw nothing.
+  // Turns a convex polygon into a fan. Collinear corners make parts without area, which draw nothing.
   void emit(const Polygon& polygon) {
     for (std::size_t i = 2; i < polygon.corners.size(); ++i) {
       const Triangle t{polygon.corners[0], polygon.corners[i - 1], polygon.corners[i]};
@@ -232,7 +233,7 @@ void walk_bsp(const BspTree& tree, const Eye& eye, std::vector<std::uint32_t>& p
   pieces.resize(tree.mesh.triangles.size());
   if (tree.nodes.empty()) return;
   std::uint32_t* next = pieces.data();
-  // A node comes twice: first to be opened, then, after its near side, to be drawn.
+  // Each node is on the stack twice: first to be opened, and then, after its near side, to be drawn.
   struct Visit {
     std::uint32_t node;
     bool draw;

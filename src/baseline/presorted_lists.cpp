@@ -1,9 +1,10 @@
 // Depth-presorted triangle lists for all view regions, and their run time: see pellucid/baseline.h.
 //
-// After: Chen, Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as far as Han
-// et al., "In-Depth Buffers", 2018, sections 1 and 7, tell of it: view regions, one list for each that merges
-// all orders, copies of triangles with plane tests, facing duplicates, one plane stored per entry of a list,
-// vertex cache optimisation under the partial order. Assumed where that text is silent:
+// Based on: Chen, Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as far as
+// Han et al., "In-Depth Buffers", 2018, sections 1 and 7, describe it: view regions, one list for each region
+// that merges all orders, copies of triangles with plane tests, copies for both facings, one stored plane per
+// entry of a list, vertex cache optimisation under the partial order. That text leaves some points open. The
+// assumptions are:
 //   - regions: view cells by the nearest of k directions spread evenly over the sphere;
 //   - occlusions: found exactly at the samples of the view partition, as for in-depth buffers, where the
 //     original reasons about whole regions of space;
@@ -19,13 +20,13 @@
 #include "pellucid/runtime/select.h"
 #include "pellucid/sequencing.h"
 #include "pellucid/transparency.h"
-#include "transparency/cluster/budget.h"
+#include "transparency/cluster/clustering.h"
 #include "transparency/order_problem.h"
 
 namespace pellucid {
 namespace {
 
-// Overlaps below this (square radii, about a fifteenth of a pixel of a 512 x 512 picture) are no occlusions.
+// Smaller overlaps (square radii, about a fifteenth of a pixel of a 512 x 512 image) are no occlusions.
 constexpr float kLeastOcclusion = 1e-6F;
 // Viewpoints of a region are numbered in 16 bits.
 constexpr std::size_t kMostViews = 65535;
@@ -117,7 +118,7 @@ class ListBuilder {
     samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
     if (samples.size() > kMostViews) return false;
 
-    // Neighbouring samples take turns with the distances, as for in-depth buffers.
+    // Neighbouring samples alternate between the distances, as for in-depth buffers.
     std::vector<ViewpointEdges> views(samples.size());
     std::vector<const ViewpointEdges*> pointers;
     std::atomic<std::uint64_t> edges{0};

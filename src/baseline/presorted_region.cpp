@@ -14,11 +14,12 @@
 namespace pellucid {
 namespace {
 
-// Rounds of sifting and splitting; most lists are right after about ten.
+// Rounds of sifting and splitting. Most lists are right after about ten.
 constexpr int kMostRounds = 40;
-// A split is made if it puts at least this share of a copy's contradicted weight right.
+// A split is made if it corrects at least this share of the contradicted weight of a copy.
 constexpr double kLeastShareRighted = 0.3;
-// Neighbours whose planes are tried for a split: those contradicted over the most viewpoints.
+// The number of neighbours whose planes are tried for a split: those that are contradicted from the most
+// viewpoints.
 constexpr std::size_t kPlaneNeighbors = 6;
 
 // A set of the region's viewpoints.
@@ -43,7 +44,7 @@ struct Copy {
   std::vector<std::uint32_t> tests;
 };
 
-// What ties a copy to a neighbour at a rank, from some viewpoints.
+// An occlusion between a copy and a neighbour at some rank, from some viewpoints.
 struct Tie {
   std::uint32_t neighbor = 0;  // copy
   std::uint32_t rank = 0;      // of the neighbour
@@ -126,7 +127,7 @@ class RegionPresorter {
     return copy.everywhere || copy.active.contains(view);
   }
 
-  // Number of viewpoints at which both copies are drawn and one hides the other.
+  // Returns the number of viewpoints at which both copies are drawn and one hides the other.
   [[nodiscard]] std::uint32_t common_views(std::uint64_t edge, const Copy& a, const Copy& b) const {
     const std::span<const std::uint16_t> views = views_of(edge);
     if (a.everywhere && b.everywhere) return static_cast<std::uint32_t>(views.size());
@@ -186,7 +187,7 @@ class RegionPresorter {
     }
   }
 
-  // Copies that cover all violated edges, greedily: those with the most uncovered ones first.
+  // Returns copies that cover all violated edges. Greedy: the copy with the most uncovered edges comes first.
   [[nodiscard]] std::vector<std::uint32_t> copies_to_split(const EdgeRows& edges) const {
     std::vector<std::vector<std::uint32_t>> against(copies_.size());
     for_each_violated(edges, [&](std::uint32_t front, std::uint32_t back) {
@@ -211,7 +212,7 @@ class RegionPresorter {
     return chosen;
   }
 
-  // Find the best plane of every chosen copy, with all others where they are, then make the splits that help.
+  // Finds the best plane of every chosen copy while all others stay, and then makes the splits that help.
   void split_copies(std::span<const std::uint32_t> chosen) {
     std::vector<std::optional<Split>> splits(chosen.size());
     parallel_loop(std::size_t{0}, chosen.size(), [&](std::size_t i) { splits[i] = best_split(chosen[i]); });
@@ -247,7 +248,7 @@ class RegionPresorter {
     hopeless_.push_back(0);
   }
 
-  // All neighbours of a copy by rank.
+  // Returns all neighbours of a copy by rank.
   [[nodiscard]] std::vector<Tie> ties_of(std::uint32_t copy) const {
     const Copy& self = copies_[copy];
     std::vector<Tie> ties;
@@ -273,7 +274,7 @@ class RegionPresorter {
     return ties;
   }
 
-  // The best place for a copy that is drawn where `weight` counts, the nearest one to where it is.
+  // Returns the best place of a copy that is drawn where `weight` counts. Of equal places it is the nearest.
   template <class Weight>
   [[nodiscard]] static Place best_place(std::span<const Tie> ties, double here, const Weight& weight) {
     double cost = 0;  // before all neighbours: everything that must come earlier is contradicted
@@ -336,7 +337,7 @@ class RegionPresorter {
     return found ? std::optional(best) : std::nullopt;
   }
 
-  // Which viewpoints of the copy are in front of the plane? False when all or none are.
+  // Finds the viewpoints of the copy that are in front of the plane. Returns false if all or none are.
   [[nodiscard]] bool divide(const Copy& copy, const Plane& plane, ViewSet& front) const {
     front = ViewSet(problem_.eyes.size());
     bool any_behind = false;
@@ -351,8 +352,8 @@ class RegionPresorter {
     return any_behind && !front.empty();
   }
 
-  // The planes that bound the viewpoints from which one triangle hides the other: through an edge of the one
-  // and a corner of the other, and the planes of both.
+  // Returns the planes that bound the viewpoints from which one triangle hides the other: those through an
+  // edge of the one and a corner of the other, and the planes of both.
   [[nodiscard]] std::vector<Plane> boundary_planes(NodeId a, NodeId b) const {
     std::array<std::array<Vec3d, 3>, 2> corners;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -375,7 +376,7 @@ class RegionPresorter {
     return planes;
   }
 
-  // The copies in drawing order, kind to the vertex cache where that is wanted.
+  // Returns the copies in draw order, arranged for the vertex cache if the problem has a cache size.
   [[nodiscard]] PresortedList make_list(const EdgeRows& edges) const {
     PresortedList list;
     list.test_offsets.push_back(0);
@@ -387,7 +388,8 @@ class RegionPresorter {
     return list;
   }
 
-  // The sequencer knows nodes of a mesh: a mesh with a triangle per copy, of which no twin is drawn.
+  // Arrange copies for the vertex cache as a mesh with one triangle per copy, of which only the front facing
+  // is drawn.
   [[nodiscard]] std::vector<std::uint32_t> copy_sequence(const EdgeRows& edges) const {
     Mesh mesh;
     EdgeRows rows;
@@ -426,7 +428,8 @@ class RegionPresorter {
 
 namespace {
 
-// Do the faces cross, and does the one behind hide more of the one in front than edge `i` says the other way?
+// Returns whether the faces intersect, and the back one hides more of the front one than edge `i` says for
+// the opposite direction.
 bool hides_more_of(const ViewpointEdges& view, NodeId behind, NodeId in_front, std::uint32_t i) {
   if (view.intersecting == 0) return false;
   const std::uint32_t t = triangle_of(behind);

@@ -130,7 +130,7 @@ PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const Pelluc
   const std::vector<std::vector<std::uint32_t>> ranks = overdraw_ranks(set, mesh.triangles.size());
   CallbackProgress progress(options.run);
   const ThreadLimit threads(options.run.threads);
-  OverdrawMeasurement measure;
+  PosedOverdrawOptions measure;
   measure.viewpoints = options.viewpoints;
   measure.min_distance = options.min_distance;
   measure.max_distance = options.max_distance;
@@ -146,7 +146,7 @@ PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const Pelluc
     }
     return ranks[order_for(selector, view.direction)];
   };
-  const std::vector<OverdrawContender> contenders{{"", choose}};
+  const std::vector<PosedDrawingMethod> contenders{{"", choose}};
   const OverdrawQuality quality = measure_posed_overdraw(subject, contenders, measure).front();
   return {quality.mean, quality.max};
 }

@@ -1,4 +1,5 @@
-// order_quality.cpp - IPR and PSNR of ways of drawing over many viewpoints (In-Depth Buffers, section 7).
+// Measures IPR and PSNR of methods over many viewpoints (In-Depth Buffers, section 7). Every frame is
+// rasterised once for all methods.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +11,7 @@ namespace {
 
 constexpr std::size_t kDistanceBins = 6;
 
-// Means over the frames whose viewpoint lies in each of equal ranges of distance; empty ranges are left out.
+// Returns the mean errors in equal ranges of distance. Ranges without a viewpoint are left out.
 std::vector<DistanceError> split_by_distance(std::span<const FrameError> frames,
                                              std::span<const Viewpoint> viewpoints, double low, double high) {
   if (!(low < high) || !std::isfinite(high)) return {};
@@ -77,7 +78,8 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
     rasterize(shaded, camera, raster, buffer);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       std::vector<std::uint32_t> ranks;
-      // Isolated: parallel work in there must not begin another frame on this thread's buffer.
+      // Isolated, because parallel work inside `ranks` must not begin another frame on the buffer of this
+      // thread.
       run_isolated([&] { ranks = methods[m].ranks(viewpoints[i]); });
       qualities[m].frames[i] = frame_error(shaded, camera, buffer, ranks, options.shading);
     }

@@ -1,4 +1,5 @@
-// The fragments of posed meshes, pixel by pixel.
+// Rasterises the poses of a mesh. In: a subject with its poses, and a view of one pose. Out: the fragments of
+// every covered pixel, by depth.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +8,14 @@
 #include <vector>
 
 #include "pellucid/metric.h"
-#include "pellucid/overdraw.h"
 #include "pellucid/raster.h"
 
 namespace pellucid {
 
-// One view of one pose.
+// A view of one pose.
 struct OverdrawView {
   std::uint32_t frame = 0;
-  std::uint32_t cell = 0;  // of the icosphere's vertices
+  std::uint32_t cell = 0;  // vertex of the icosphere; unused for random viewpoints
   Viewpoint viewpoint;
 };
 
@@ -23,7 +23,8 @@ struct OverdrawView {
 class PoseRaster {
  public:
   PoseRaster(const OverdrawSubject& subject, std::span<const BoundingSphere> spheres, std::uint32_t size);
-  // visit(fragments of a covered pixel, sorted by depth), without back faces of single-sided parts.
+  // Calls visit(pixel, fragments) for every covered pixel. The fragments are sorted by depth; back faces of
+  // single-sided triangles are left out.
   void draw(const OverdrawView& view,
             const std::function<void(std::uint64_t pixel, std::span<const Fragment>)>& visit);
 

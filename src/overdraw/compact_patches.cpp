@@ -8,26 +8,28 @@
 
 #include "base/parallel.h"
 #include "overdraw/compact_sets.h"
-#include "overdraw/run_finder.h"
 
 namespace pellucid {
 namespace {
 
-// Triangles of the patches at first.
+// Triangles of the first patches.
 constexpr double kFirstSize = 6;
-// Triangles of the largest patches, in squares of the cache: rows that are wider do not fit into it.
+// The largest patches have this many triangles times the square of the cache size. Wider rows do not fit into
+// the cache.
 constexpr double kMostSize = 0.55;
-// The price of a miss at first, in shares of the excess per triangle, and how it rises. From a lower one,
-// what overdraw gains makes patches so ragged that they do not recover.
+// The first price of a miss, in shares of the excess per triangle, and the factor by which it rises. With a
+// lower first price, patches become ragged for a little less overdraw and do not recover.
 constexpr double kFirstPrice = 2, kPriceStep = 1.5;
-// Of the misses that are to go, saved by one batch of joins; and so many per triangle at least.
+// One batch of joins saves this share of the misses that must go, and at least kLeastBatch misses per
+// triangle.
 constexpr double kBatch = 0.65, kLeastBatch = 0.001;
 constexpr int kMostStages = 80;
-// Sweeps over all triangles; later ones look only at what lies beside those that moved.
+// Sweeps over all triangles. Later sweeps look only at neighbours of triangles that moved.
 constexpr int kMoveSweeps = 3;
-// Of a sweep: triangles that are judged at once, as if none of them had moved.
+// Batches per sweep. The triangles of a batch are judged as if none of them had moved.
 constexpr std::size_t kMoveBatches = 16;
-// Small meshes are cheap, and chance means much to them: several starts for so many triangles together.
+// Small meshes are cheap and depend much on chance. They get several starts, with this many triangles in
+// total.
 constexpr std::size_t kTrialTriangles = 16'000, kMostTrials = 16;
 
 class CompactPatches {
@@ -76,7 +78,7 @@ class CompactPatches {
  private:
   [[nodiscard]] double triangles() const { return static_cast<double>(patch_of_.size()); }
 
-  // By triangle the lists that show it.
+  // Indexes the lists by the triangles that they hold.
   void index_lists() {
     offsets_.assign(subject_.triangles.size() + 1, 0);
     const auto visit = [&](const auto& use) {
@@ -104,7 +106,7 @@ class CompactPatches {
     return patches;
   }
 
-  // Of the patches that changed.
+  // Finds the runs of the patches that changed.
   void find_runs(const std::vector<std::uint8_t>& changed) {
     for (std::size_t patch = 0; patch < runs_.size(); ++patch) {
       if (changed[patch] != 0) runs_[patch].clear();
@@ -117,7 +119,7 @@ class CompactPatches {
     });
   }
 
-  // Without the patches that have no triangles left.
+  // Renumbers the patches, without those that have no triangles left.
   void number_anew(std::vector<std::uint8_t>& changed) {
     find_runs(changed);
     std::vector<std::uint32_t> numbers(runs_.size(), MeshLinks::kNone);
@@ -168,7 +170,7 @@ class CompactPatches {
       for (const std::uint32_t triangle : links_.around(vertex)) at_vertex.push_back(patch_of_[triangle]);
       std::sort(at_vertex.begin(), at_vertex.end());
       at_vertex.erase(std::unique(at_vertex.begin(), at_vertex.end()), at_vertex.end());
-      // Of a vertex that very many share, some pairs will do.
+      // Of a vertex that very many patches share, some pairs are enough.
       constexpr std::size_t kMostAtVertex = 16;
       for (std::size_t i = 0; i < at_vertex.size(); ++i) {
         for (std::size_t j = i + 1; j < std::min(at_vertex.size(), i + kMostAtVertex); ++j)
@@ -192,7 +194,7 @@ class CompactPatches {
   void price_joins(const OrderedPatches& ordered, std::vector<Join>& joins) const {
     const std::vector<WeightedList> weighted = weigh_lists(ordered.lists, views_);
     const std::vector<double> positions(ranks_.begin(), ranks_.end());
-    // Every thread its own rows: they are made one at a time.
+    // Every thread has its own rows, because a LayerRows makes one row at a time.
     PerThread<LayerRows> rows(
         [&] { return LayerRows(ordered.lists.pool, weighted, ordered.patches.parts, ranks_); });
     std::vector<std::vector<std::uint32_t>> of_patch(runs_.size());
@@ -216,8 +218,8 @@ class CompactPatches {
     }
   }
 
-  // The cheapest joins that the price pays for, together about so many misses, no patch twice. Where there
-  // are none, the price rises, to that of the cheapest at least.
+  // Makes the cheapest joins whose cost is within the price, which together save about `misses`. No patch is
+  // joined twice. If there are none, the price rises, at least to that of the cheapest join.
   void join(const OrderedPatches& ordered, double misses, std::vector<std::uint8_t>& changed) {
     std::vector<Join> joins = possible_joins();
     price_joins(ordered, joins);
@@ -243,20 +245,20 @@ class CompactPatches {
 
   // ------------------------------------------------------------------------------------------------ moves
 
-  // The patches beside a triangle, and what it costs to move there but for the cache: kOverdrawUnit, summed
-  // over views.
+  // The patches beside a triangle, and the change of the excess overdraw if it moves there: kOverdrawUnit,
+  // summed over views.
   struct Offers {
     std::array<std::uint32_t, 3> to{MeshLinks::kNone, MeshLinks::kNone, MeshLinks::kNone};
     std::array<double, 3> excess{};
   };
 
-  // A list as one triangle sees it: the first places of what lies at each depth, but its own.
+  // A list as one triangle sees it: for each depth the first place of the other layers there.
   struct Surroundings {
     std::vector<std::uint32_t> places;
     std::size_t own = 0;  // the depth at which the triangle lies
 
-    // Twice the fragments that are shaded when it stands in this place. Of two fragments of a patch, the
-    // nearer is drawn first as often as not.
+    // Returns twice the number of fragments that are shaded if the triangle is at this place. Of two
+    // fragments of one patch, the nearer one is drawn first in half of the cases.
     [[nodiscard]] std::int64_t shaded_twice(std::uint32_t place) const {
       std::int64_t shaded = 0;
       std::uint32_t first = MeshLinks::kNone;
@@ -303,7 +305,7 @@ class CompactPatches {
     return offers;
   }
 
-  // Move triangles to the patch beside theirs where that pays.
+  // Moves triangles to a neighbouring patch where that lowers the total cost.
   void move_triangles(std::vector<std::uint8_t>& changed) {
     std::vector<std::uint32_t> sizes(runs_.size(), 0);
     for (std::size_t triangle = 0; triangle < patch_of_.size(); ++triangle) {

@@ -1,10 +1,12 @@
-// Compact patches for one order: sets of triangles with few vertices, shaped by what they cost.
+// Makes compact patches for a single order: sets of triangles with few vertices, shaped by their cost. In:
+// the layer lists of single triangles. Out: patches and their order.
 //
-// A compact patch of n triangles, drawn from an empty cache, misses about n / 2 vertices and half of those on
-// its outline, so that a few dozen triangles are cheap wherever they are drawn. From small patches on, a
-// price per miss rises step by step: neighbours whose joining costs less overdraw than the misses that it
-// saves are worth become one, single triangles go to the patch beside theirs where overdraw and misses
-// together fall, and the patches are sifted anew, until the misses are down to what they may be.
+// A compact patch of n triangles that starts with an empty cache misses about n / 2 vertices and half of the
+// vertices on its outline. So a few dozen triangles are cheap wherever they are drawn. The method starts with
+// small patches and raises a price per cache miss step by step. At each step, neighbouring patches are joined
+// if that costs less overdraw than the saved misses are worth. Single triangles move to a neighbouring patch
+// if that lowers the sum of overdraw and misses. Then the patches are sifted again. It ends when the cache
+// misses are down to the limit.
 #pragma once
 
 #include <functional>
@@ -16,20 +18,20 @@
 namespace pellucid {
 
 struct CompactOptions {
-  double acmr = 0;  // to get down to
+  double acmr = 0;  // the target: misses per triangle
   std::uint32_t cache_size = 16;
   std::uint64_t seed = 1;
   SiftLayersOptions sift;
-  // The order to start from, ranks by patch: for patches that hardly any pixel shows.
+  // Returns the order to start from, as ranks by patch. It decides about patches that hardly any pixel shows.
   std::function<std::vector<std::uint32_t>(const Patches& patches)> first_ranks;
 };
 
-// `lists`: every triangle a patch of its own, numbered as the triangles are. Nothing where so few misses
-// cannot be had. Deterministic for any number of threads.
+// `lists`: made with every triangle as a patch of its own, with the same numbers. Returns nothing if the
+// target cannot be reached. Deterministic for any number of threads.
 std::optional<OrderedPatches> compact_patches(const OverdrawSubject& subject, const LayerLists& lists,
                                               const CompactOptions& options);
 
-// Every triangle a patch.
+// Returns patches of one triangle each.
 Patches single_triangles(const OverdrawSubject& subject);
 
 }  // namespace pellucid

@@ -1,14 +1,71 @@
-// Compact sets of triangles: see compact_sets.h.
+// Compact sets of triangles, and short runs through them: see compact_sets.h.
 #include "overdraw/compact_sets.h"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "overdraw/patches.h"
 
 namespace pellucid {
+
+MeshLinks::MeshLinks(const OverdrawSubject& subject)
+    : corners_(subject.triangles),
+      offsets_(subject.frames.front().size() + 1, 0),
+      across_(subject.triangles.size(), {kNone, kNone, kNone}) {
+  for (Triangle& corners : corners_) {
+    std::sort(corners.begin(), corners.end());
+    corner_counts_.push_back(
+        static_cast<std::uint8_t>(std::unique(corners.begin(), corners.end()) - corners.begin()));
+  }
+  for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+    for (const std::uint32_t vertex : corners(t)) ++offsets_[vertex + 1];
+  }
+  std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+  around_.resize(offsets_.back());
+  std::vector<std::uint32_t> next(offsets_.begin(), offsets_.end() - 1);
+  for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+    for (const std::uint32_t vertex : corners(t)) around_[next[vertex]++] = t;
+  }
+
+  // Equal edges are adjacent.
+  struct Edge {
+    std::uint32_t part, first, second, triangle;
+    [[nodiscard]] auto key() const { return std::tuple(part, first, second); }
+  };
+  const std::vector<std::uint32_t> parts = part_of_triangles(subject);
+  std::vector<Edge> edges;
+  edges.reserve(3 * corners_.size());
+  for (std::uint32_t t = 0; t < triangle_count(); ++t) {
+    const auto own = corners(t);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      for (std::size_t j = i + 1; j < own.size(); ++j) edges.push_back({parts[t], own[i], own[j], t});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+    return a.key() != b.key() ? a.key() < b.key() : a.triangle < b.triangle;
+  });
+  const auto link = [&](std::uint32_t from, std::uint32_t to) {
+    *std::find(across_[from].begin(), across_[from].end(), kNone) = to;
+  };
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin + 1;
+    while (end < edges.size() && edges[end].key() == edges[begin].key()) ++end;
+    if (end - begin == 2) {
+      link(edges[begin].triangle, edges[begin + 1].triangle);
+      link(edges[begin + 1].triangle, edges[begin].triangle);
+    }
+    begin = end;
+  }
+}
+
+// ---------------------------------------------------------------------------------------------- compact sets
+
 namespace {
 
 constexpr int kGrowths = 6;
 constexpr std::uint64_t kTrials = 100;  // of moving a triangle, each
-// Sizes stay within these multiples of what was asked for.
+// Sizes stay within these multiples of the requested size.
 constexpr double kLeast = 0.5, kMost = 1.5;
 
 class SetGrower {
@@ -35,7 +92,7 @@ class SetGrower {
   }
 
  private:
-  // All seeds at once; what none of them reaches gets seeds of its own.
+  // Grows all sets at once. Triangles that no seed reaches get seeds of their own.
   void grow() {
     set_of_.assign(links_.triangle_count(), MeshLinks::kNone);
     std::vector<std::uint32_t> queue;
@@ -58,7 +115,7 @@ class SetGrower {
     }
   }
 
-  // A seed goes to the triangle that is farthest from other sets.
+  // Moves each seed to the triangle that is farthest from other sets.
   void recentre() {
     std::vector<std::uint8_t> met(set_of_.size(), 0);
     std::vector<std::uint32_t> queue;
@@ -120,6 +177,115 @@ int vertices_saved(const MeshLinks& links, const std::vector<std::uint32_t>& set
 
 std::vector<std::uint32_t> compact_sets(const MeshLinks& links, double size, Random& random) {
   return SetGrower(links, size, random).numbered();
+}
+
+// ------------------------------------------------------------------------------------------------ short runs
+
+namespace {
+
+constexpr std::size_t kRunStarts = 16;
+// The gain of a triangle, in misses, for a vertex that it is the last to use, and for a vertex that is about
+// to leave the cache.
+constexpr double kLastUse = 0.25, kUrgency = 0.5;
+
+}  // namespace
+
+RunFinder::RunFinder(const MeshLinks& links, std::uint32_t cache_size)
+    : links_(links),
+      cache_size_(cache_size),
+      leaves_at_(links.vertex_count(), 0),
+      left_(links.vertex_count(), 0),
+      to_draw_(links.triangle_count(), 0),
+      looked_at_(links.triangle_count(), 0) {}
+
+std::vector<std::uint32_t> RunFinder::find(std::span<const std::uint32_t> triangles) {
+  // No run has fewer misses than vertices.
+  std::uint32_t vertices = 0;
+  for (const std::uint32_t triangle : triangles) {
+    for (const std::uint32_t vertex : links_.corners(triangle)) left_[vertex] = 0;
+  }
+  for (const std::uint32_t triangle : triangles) {
+    for (const std::uint32_t vertex : links_.corners(triangle)) vertices += left_[vertex]++ == 0 ? 1U : 0U;
+  }
+  std::vector<std::uint32_t> best;
+  std::uint32_t least = MeshLinks::kNone;
+  const std::size_t step = (triangles.size() + kRunStarts - 1) / kRunStarts;
+  for (const bool late : {false, true}) {
+    for (std::size_t i = 0; i < triangles.size() && least > vertices; i += step) {
+      const std::uint32_t misses = walk(triangles, triangles[i], late, least);
+      if (misses >= least) continue;
+      least = misses;
+      best = run_;
+    }
+  }
+  return best;
+}
+
+// Returns the misses of a walk. Gives up and returns `least` or more if the walk cannot be better.
+std::uint32_t RunFinder::walk(std::span<const std::uint32_t> triangles, std::uint32_t start, bool late,
+                              std::uint32_t least) {
+  ++walk_;
+  clock_ += cache_size_;  // empties the cache
+  for (const std::uint32_t triangle : triangles) {
+    to_draw_[triangle] = walk_;
+    for (const std::uint32_t vertex : links_.corners(triangle)) left_[vertex] = 0;
+  }
+  for (const std::uint32_t triangle : triangles) {
+    for (const std::uint32_t vertex : links_.corners(triangle)) ++left_[vertex];
+  }
+  run_.clear();
+  entered_.clear();
+  draw(start);
+  std::size_t first_left = 0;
+  while (run_.size() < triangles.size() && entered_.size() < least) {
+    std::uint32_t next = best_next(late);
+    for (; next == MeshLinks::kNone; ++first_left) {
+      if (to_draw_[triangles[first_left]] == walk_) next = triangles[first_left];
+    }
+    draw(next);
+  }
+  return run_.size() < triangles.size() ? least : static_cast<std::uint32_t>(entered_.size());
+}
+
+void RunFinder::draw(std::uint32_t triangle) {
+  to_draw_[triangle] = 0;
+  run_.push_back(triangle);
+  for (const std::uint32_t vertex : links_.corners(triangle)) {
+    --left_[vertex];
+    if (is_cached(vertex)) continue;
+    leaves_at_[vertex] = ++clock_ + cache_size_;
+    entered_.push_back(vertex);
+  }
+}
+
+// Returns the best triangle that has a vertex in the cache. `late`: vertices hardly count before they are
+// about to leave.
+std::uint32_t RunFinder::best_next(bool late) {
+  ++step_;
+  std::uint32_t best = MeshLinks::kNone;
+  double least = std::numeric_limits<double>::max();
+  const std::size_t cached = std::min<std::size_t>(entered_.size(), cache_size_);
+  for (std::size_t i = entered_.size() - cached; i < entered_.size(); ++i) {
+    if (left_[entered_[i]] == 0) continue;
+    for (const std::uint32_t triangle : links_.around(entered_[i])) {
+      if (to_draw_[triangle] != walk_ || looked_at_[triangle] == step_) continue;
+      looked_at_[triangle] = step_;
+      double cost = 0;
+      for (const std::uint32_t vertex : links_.corners(triangle)) {
+        if (!is_cached(vertex)) {
+          cost += 1;
+          continue;
+        }
+        const double age =
+            1 - static_cast<double>(leaves_at_[vertex] - clock_) / static_cast<double>(cache_size_);
+        cost -= kUrgency * (late ? age * age : age) + (left_[vertex] == 1 ? kLastUse : 0);
+      }
+      if (cost >= least) continue;
+      least = cost;
+      best = triangle;
+    }
+  }
+  return best;
 }
 
 }  // namespace pellucid

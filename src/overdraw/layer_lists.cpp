@@ -1,4 +1,4 @@
-// Sequences of patches behind pixels: see layer_lists.h.
+// Lists of patches behind pixels: see layer_lists.h.
 #include "overdraw/layer_lists.h"
 
 #include <algorithm>
@@ -20,12 +20,12 @@ std::uint64_t hash_of(std::span<const Layer> list) {
   return hash;
 }
 
-// One of a `share` of all pixels?
+// Returns whether a pixel belongs to the random `share` of all pixels.
 bool chosen(std::uint64_t pixel, std::uint64_t view, double share) {
   return Random((view << 32U) + pixel).uniform() < share;
 }
 
-// The lists of one view, or of one thread's part of the work.
+// The lists of one view, or of the work of one thread.
 struct LocalLists {
   ListPool pool;
   std::vector<std::uint32_t> pixels;  // by list
@@ -78,7 +78,7 @@ void drop_hidden(std::vector<Layer>& layers, std::vector<std::uint32_t>& places)
       if (places[j] < places[i]) {
         hidden = true;
       } else {
-        // Of one depth only the first drawn passes: the earlier place counts, once.
+        // Of fragments at one depth only the first drawn one passes, so that only the earliest place counts.
         bool same_depth = !first_of_group;
         for (std::size_t k = j + 1; k < kept && same_depth; ++k) same_depth = is_tied(layers[k]);
         if (!same_depth) continue;
@@ -137,7 +137,7 @@ LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingS
   PerThread<PoseRaster> rasters([&] { return PoseRaster(subject, spheres, options.size); });
   PerThread<LayerMaker> makers([&] { return LayerMaker(places); });
   LayerLists lists;
-  // Blocks of views in parallel; their lists are numbered one view after the other.
+  // Blocks of views are processed in parallel. Their lists are numbered view by view.
   for (std::size_t begin = 0; begin < views.size(); begin += kViewsPerBlock) {
     const std::size_t count = std::min(kViewsPerBlock, views.size() - begin);
     std::vector<LocalLists> block(count);
@@ -165,7 +165,7 @@ LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingS
 
 namespace {
 
-// Lists of other items: rename(item) gives the item that it becomes, and the place where that draws it.
+// Makes lists of other items. rename(item) returns the new item and the place of the old item in it.
 template <class Rename>
 LayerLists renamed_lists(const LayerLists& lists, const Rename& rename) {
   constexpr std::uint32_t kNoList = std::numeric_limits<std::uint32_t>::max();
@@ -207,7 +207,7 @@ LayerLists renamed_lists(const LayerLists& lists, const Rename& rename) {
 }  // namespace
 
 LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of) {
-  // Members of a patch are drawn by number.
+  // The members of a patch are drawn by number.
   return renamed_lists(lists, [&](std::uint32_t patch) { return std::pair(patch_of[patch], patch); });
 }
 

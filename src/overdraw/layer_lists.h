@@ -1,9 +1,11 @@
-// What lies behind every pixel of every view, as sequences of patches, each distinct one kept once.
+// Stores the list of patches behind every pixel of every view, each distinct list once. In: the poses of a
+// subject, its patches, and views. Out: LayerLists, on which overdraw_costs.h counts.
 //
-// A fragment is shaded iff nothing as near or nearer was drawn before it, so that the fragments shaded for a
-// pixel are the prefix minima of the ranks of its fragments, front to back. A patch draws its triangles in a
-// fixed sequence: fragments that its own nearer and earlier ones hide are left out; what is left of one patch
-// passes its own depth test. Pixels with a single fragment cost nothing and are not kept.
+// A fragment is shaded if and only if nothing as near or nearer was drawn before it. So the fragments that
+// are shaded for a pixel are the prefix minima of the ranks of its fragments, front to back. A patch draws
+// its triangles in a fixed order. Fragments that nearer and earlier triangles of the same patch hide are left
+// out; the remaining fragments of a patch pass the depth test of their own patch. Pixels with a single
+// fragment cost nothing and are not stored.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +20,7 @@
 
 namespace pellucid {
 
-// A patch behind a pixel; the highest bit: as near as the one before it.
+// A patch behind a pixel. The highest bit is set if it is as near as the layer before it.
 using Layer = std::uint32_t;
 constexpr Layer kTieBit = 0x80000000U;
 constexpr std::uint32_t patch_of_layer(Layer layer) {
@@ -28,7 +30,7 @@ constexpr bool is_tied(Layer layer) {
   return (layer & kTieBit) != 0;
 }
 
-// Distinct sequences, numbered in the order in which they are first met.
+// A pool of distinct lists, numbered in the order of their first use.
 class ListPool {
  public:
   std::uint32_t number_of(std::span<const Layer> list);
@@ -45,7 +47,7 @@ class ListPool {
 
   std::vector<std::uint64_t> offsets_{0};
   std::vector<Layer> layers_;
-  std::vector<std::uint32_t> slots_;  // numbers + 1; 0: free. A power of two of them
+  std::vector<std::uint32_t> slots_;  // hash table of numbers + 1; 0: free
 };
 
 struct ListUse {
@@ -66,24 +68,24 @@ struct LayerLists {
 };
 
 struct ListOptions {
-  std::uint32_t size = 256;  // of the pictures, pixels a side
-  double share = 1;          // of the pixels, chosen at random
+  std::uint32_t size = 256;  // of the images, pixels per side
+  double share = 1;          // share of the pixels that are stored, chosen at random
   Progress* progress = nullptr;
 };
-// Rasterises every view once. O(views * raster); the pool and 8 bytes a use are what it keeps.
+// Rasterises every view once. O(views * raster); memory: the pool and 8 bytes per use.
 LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingSphere> spheres,
                        const Patches& patches, std::span<const OverdrawView> views,
                        const ListOptions& options);
 
-// The lists after patches were joined with their successors: `patch_of` the old ones.
+// Returns the lists after patches were joined with their successors. `patch_of`: by old patch the new one.
 LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of);
-// The lists of patches from those of single triangles.
+// Returns the lists of patches, made from the lists of single triangles.
 LayerLists lists_of_patches(const LayerLists& lists, const PatchPlaces& places);
-// Those of some views.
+// Returns the lists of some views.
 LayerLists lists_of_views(const LayerLists& lists, std::span<const std::uint32_t> views);
 
-// Drop what fragments nearer and drawn earlier, of the same patch, hide. `place` is the sequence in which
-// the fragments of one patch are drawn. Both are changed.
+// Removes the layers that are hidden by nearer and earlier drawn fragments of the same patch. `places`: the
+// position of every fragment in the fixed order of its patch. Changes both.
 void drop_hidden(std::vector<Layer>& layers, std::vector<std::uint32_t>& places);
 
 }  // namespace pellucid

@@ -10,12 +10,12 @@
 namespace pellucid {
 namespace {
 
-// Of the misses that are to go, saved by one batch of joins: what remains is chosen from orders that know of
-// these joins. Smaller batches gain nothing.
+// One batch of joins saves this share of the misses that must go. The next batch is chosen with orders that
+// include these joins. Smaller batches gain nothing.
 constexpr double kMergeBatch = 0.3;
 
-// Misses of runs of patches in an empty cache. Vertices are numbered anew for every run, so that a count
-// costs what it counts.
+// Counts the misses of runs of patches that start with an empty cache. Vertices are numbered anew for every
+// run, so that the cost of a count depends only on the size of the run.
 class RunMisses {
  public:
   RunMisses(const OverdrawSubject& subject, const Patches& patches, std::uint32_t cache_size)
@@ -62,7 +62,7 @@ bool may_join(const Patches& patches, std::uint32_t patch) {
   return patch + 1 < patches.count() && patches.parts[patch] == patches.parts[patch + 1];
 }
 
-// Misses that the successor of a patch saves when it is drawn right after it.
+// Returns the misses that the successor of a patch saves if it is drawn directly after the patch.
 std::vector<double> misses_saved(const OverdrawSubject& subject, const Patches& patches,
                                  std::uint32_t cache_size) {
   RunMisses misses(subject, patches, cache_size);
@@ -74,7 +74,8 @@ std::vector<double> misses_saved(const OverdrawSubject& subject, const Patches& 
   return saved;
 }
 
-// What it costs a cluster to draw a patch right before its successor: the one goes to the other.
+// Returns the cost for a cluster of drawing a patch directly before its successor. One of the two moves to
+// the other.
 struct JoinCost {
   double excess = 0;     // kOverdrawUnit, summed over views
   bool at_first = true;  // cheaper where the patch is than where its successor is
@@ -99,7 +100,8 @@ std::vector<JoinCost> join_costs(const OrderedPatches& ordered, std::uint32_t cl
   return costs;
 }
 
-// The joins with the least overdraw per saved miss, together about so many misses, no two in a row.
+// Returns the joins with the least overdraw per saved miss that together save about this many misses. No two
+// consecutive patches are joined.
 std::vector<std::uint8_t> choose_joins(const Patches& patches, std::span<const double> excess,
                                        std::span<const double> saved, double misses) {
   std::vector<std::uint32_t> candidates;
@@ -122,7 +124,7 @@ std::vector<std::uint8_t> choose_joins(const Patches& patches, std::span<const d
   return join;
 }
 
-// A joined patch takes the place of that member from which the other is cheaper to reach.
+// A joined patch takes the place of the member to which the other moves at the lower cost.
 std::vector<std::uint32_t> joined_ranks(std::span<const std::uint32_t> ranks,
                                         std::span<const std::uint8_t> join,
                                         std::span<const std::uint32_t> patch_of,

@@ -1,10 +1,11 @@
-// Patches that are cut where it pays: many small ones, joined where orders hardly need them apart.
+// Joins many small patches where the orders hardly need them apart. In: small patches with their orders. Out:
+// larger patches with fewer cache misses.
 //
-// The paper cuts the cache-friendly order wherever a patch has used the cache well enough. Here the order is
-// cut into far smaller patches, whose orders then show which of them want to be apart; the others are joined
-// with their successors, the least overdraw per saved cache miss first, until the misses are down to what
-// they may be. (Tried and worse: joins of any two patches that share vertices, with or without ordering the
-// joined triangles anew; cutting again and joining again gained 2 %. docs/overdraw.md)
+// The paper ends a patch as soon as it has used the cache well enough. Here the cache-friendly order is cut
+// into far smaller patches. Their orders show which of them must stay apart. The others are joined with their
+// successors, the least overdraw per saved cache miss first, until the cache misses are down to the limit.
+// (Tried and worse: joins of any two patches that share vertices, with or without a new order of the joined
+// triangles. Cutting again and joining again gained 2 %. See docs/overdraw.md.)
 #pragma once
 
 #include <vector>
@@ -17,9 +18,9 @@
 namespace pellucid {
 
 struct MergeOptions {
-  double acmr = 0;  // mean over the orders, to get down to
+  double acmr = 0;  // the target: misses per triangle, mean over the orders
   std::uint32_t cache_size = 16;
-  KOrdersOptions rounds{1, 0};  // of the optimiser, after every batch of joins
+  KOrdersOptions rounds{1, 0};  // of the optimiser, after each batch of joins
   SiftLayersOptions sift;
 };
 
@@ -29,20 +30,21 @@ struct OrderedPatches {
   LayerLists lists;
   Clustering clustering;
 };
-// Returns by patch of the input the patch it became. Ends early where nothing is left to join.
+// Joins patches in place. Returns for every patch of the input the patch that it became part of. Stops above
+// the target if no patches are left to join.
 std::vector<std::uint32_t> merge_patches(const OverdrawSubject& subject, const MergeOptions& options,
                                          OrderedPatches& ordered);
 
-// Misses per triangle, mean over the orders.
+// Returns the misses per triangle, mean over the orders.
 double mean_acmr(const OverdrawSubject& subject, const Patches& patches,
                  const std::vector<std::vector<std::uint32_t>>& ranks, std::uint32_t cache_size);
 
-// What it costs to move a patch, whose wishes these are, to right before or behind the target, and past it
-// with `pass_target`.
+// Returns the cost of moving a patch next to `target`: to the near side, or past it with `pass_target`.
+// `row`: the pairwise preferences of the patch.
 double cost_of_moving(const PreferenceRow& row, std::span<const std::uint32_t> ranks, NodeId item,
                       NodeId target, bool pass_target);
 
-// Patches by rank.
+// Returns the patches by rank.
 std::vector<std::uint32_t> sequence_of(std::span<const std::uint32_t> ranks);
 
 }  // namespace pellucid

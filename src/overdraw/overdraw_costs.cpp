@@ -16,7 +16,7 @@ constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kLanes = 8;
 using RankRow = std::array<std::uint32_t, kLanes>;
 
-// Shaded fragments of a list under kLanes orders.
+// Counts the shaded fragments of a list under kLanes orders.
 RankRow shaded_in_lanes(std::span<const Layer> list, const std::vector<RankRow>& ranks) {
   RankRow shaded{};
   RankRow first;
@@ -35,7 +35,7 @@ RankRow shaded_in_lanes(std::span<const Layer> list, const std::vector<RankRow>&
   return shaded;
 }
 
-// Ranks of orders `begin` .. begin + kLanes - 1 side by side; lanes without an order repeat the first.
+// Interleaves the ranks of the orders `begin` .. begin + kLanes - 1. Lanes without an order repeat the first.
 std::vector<RankRow> side_by_side(const std::vector<std::vector<std::uint32_t>>& ranks, std::size_t begin) {
   std::vector<RankRow> rows(ranks.front().size());
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -141,7 +141,7 @@ LayerRows::LayerRows(const ListPool& pool, std::span<const WeightedList> weighte
   for (std::uint32_t patch = 0; patch < patch_parts.size(); ++patch) {
     const double rank = ranks[patch];
     if (patch_parts[patch] >= rooms_.size()) rooms_.resize(patch_parts[patch] + 1, {1e300, -1e300});
-    // Half a rank beyond: the modules of neighbouring parts meet there.
+    // The ranges of neighbouring parts meet half a rank beyond the last patch.
     auto& [first, last_rank] = rooms_[patch_parts[patch]];
     first = std::min(first, rank - 0.5);
     last_rank = std::max(last_rank, rank + 0.5);
@@ -198,7 +198,7 @@ PreferenceRow LayerRows::row(NodeId patch, std::span<const double> positions) {
     const WeightedList& entry = weighted_[lists_of_[i]];
     gather(pool_.list(entry.list), patch, entry.weight, positions);
   }
-  // Others are never passed.
+  // Patches of other parts are never passed.
   std::erase_if(neighbors_, [&](NodeId neighbor) {
     const bool same_part = patch_parts_[neighbor] == patch_parts_[patch];
     if (!same_part) {
@@ -276,7 +276,7 @@ std::vector<std::uint32_t> ranks_by_part(std::span<const double> keys,
 
 namespace {
 
-// Pixels where a layer of one part lies before one of another, as edges between parts.
+// Returns edges between parts: the pixels where a layer of one part lies before a layer of the other.
 EdgeRows part_edges(const ListPool& pool, std::span<const WeightedList> weighted,
                     std::span<const std::uint32_t> patch_parts, std::uint32_t part_count) {
   std::vector<std::int64_t> weights(std::size_t{part_count} * part_count, 0);
@@ -306,14 +306,14 @@ EdgeRows part_edges(const ListPool& pool, std::span<const WeightedList> weighted
   return rows;
 }
 
-// Put the parts into another sequence where that shades less.
+// Changes the order of the parts if that shades fewer fragments.
 void sift_parts(const ListPool& pool, std::span<const WeightedList> weighted,
                 std::span<const std::uint32_t> patch_parts, std::vector<std::uint32_t>& ranks) {
   const std::uint32_t part_count = patch_parts.back() + 1;
   if (part_count < 2) return;
   constexpr std::uint32_t kMostParts = 2048;  // pairs are counted in a square
   if (part_count > kMostParts) return;
-  // The rank of a part is that of its first patch among them.
+  // The rank of a part is the rank of its first patch.
   std::vector<double> keys(part_count, std::numeric_limits<double>::max());
   for (std::size_t patch = 0; patch < ranks.size(); ++patch)
     keys[patch_parts[patch]] = std::min<double>(keys[patch_parts[patch]], ranks[patch]);

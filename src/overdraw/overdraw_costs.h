@@ -1,4 +1,5 @@
-// What an order of patches costs a view: fragments shaded in vain, counted on stored lists.
+// Counts the overdraw of orders of patches on stored layer lists, and improves the orders by sifting. In:
+// layer lists and ranks. Out: excess overdraw by view and order, and better ranks.
 #pragma once
 
 #include <cstdint>
@@ -11,32 +12,33 @@
 
 namespace pellucid {
 
-// Fragments of a list that are shaded in an order (rank by patch), at least 1.
+// Returns the number of fragments of a list that are shaded in an order (rank by patch), at least 1.
 std::uint32_t shaded_layers(std::span<const Layer> list, std::span<const std::uint32_t> ranks);
 
-// Excess overdraw of every view under every order: views x orders, row by row.
+// Returns the excess overdraw of every view under every order: views x orders, row by row.
 std::vector<double> overdraw_table(const LayerLists& lists,
                                    const std::vector<std::vector<std::uint32_t>>& ranks);
 
-// A list and its weight: fragments of it, summed over the views of a cluster, each view counting the same.
+// A list and its weight: the number of its pixels, summed over the views of a cluster. All views count the
+// same.
 struct WeightedList {
   std::uint32_t list;
   std::int64_t weight;
 };
-// 1 of excess overdraw, summed over views.
+// The weight of an excess overdraw of 1 in one view.
 constexpr std::int64_t kOverdrawUnit = std::int64_t{1} << 24U;
 std::vector<WeightedList> weigh_lists(const LayerLists& lists, std::span<const std::uint32_t> views);
-// In kOverdrawUnit, summed over the views.
+// Returns the excess overdraw in kOverdrawUnit, summed over the views.
 std::int64_t excess_of(const ListPool& pool, std::span<const WeightedList> weighted,
                        std::span<const std::uint32_t> ranks);
 
-// What a patch wishes for: to pass a neighbour changes the fragments shaded by the weights given, exactly, as
-// long as nothing else moves. A fragment of the patch is shaded until the patch passes the first drawn of all
-// that is nearer; what lies behind it and is first drawn of all but the patch is shaded as well once the
-// patch comes later.
+// Computes the pairwise preferences of patches, one row at a time. A weight is the exact change of the number
+// of shaded fragments when the patch passes that neighbour and nothing else moves. A fragment of the patch is
+// shaded as long as the patch comes before everything nearer. A fragment behind it that comes before
+// everything else nearer is shaded in addition once the patch comes later than it.
 class LayerRows {
  public:
-  // Patches stay among those of their part: `ranks` hold each part's patches together.
+  // Patches stay inside their part: `ranks` keep the patches of each part together.
   LayerRows(const ListPool& pool, std::span<const WeightedList> weighted,
             std::span<const std::uint32_t> patch_parts, std::span<const std::uint32_t> ranks);
 
@@ -62,7 +64,7 @@ class LayerRows {
   std::vector<float> weights_;
 };
 
-// Where patches lie in a view: their centroids, by patch and frame.
+// The centroids of patches, by patch and pose.
 class PatchCentroids {
  public:
   PatchCentroids(const OverdrawSubject& subject, const Patches& patches);
@@ -76,12 +78,12 @@ class PatchCentroids {
   std::vector<Vec3f> centroids_;
 };
 
-// The paper's d(p), section 3.2: distances of patches to the eye, summed over views. By patch.
+// Returns the paper's d(p), section 3.2: for every patch its distances to the eye, summed over views.
 std::vector<double> summed_distances(const PatchCentroids& centroids, std::span<const OverdrawView> views,
                                      std::span<const std::uint32_t> chosen,
                                      std::span<const BoundingSphere> spheres);
 
-// Ranks of patches by key, parts by the mean key of their patches.
+// Returns the ranks of patches by key. Parts are sorted by the mean key of their patches.
 std::vector<std::uint32_t> ranks_by_part(std::span<const double> keys,
                                          std::span<const std::uint32_t> patch_parts);
 
@@ -90,12 +92,13 @@ struct SiftLayersOptions {
   double least_gain = 0.01;  // share of the excess that a sweep must save
   Progress* progress = nullptr;
 };
-// Improve ranks for some views: parts among each other, then patches within them. Never makes them worse.
+// Improves ranks for some views: first the order of the parts, then the order of the patches in each part.
+// The result is never worse.
 void sift_layers(const LayerLists& lists, std::span<const std::uint32_t> views,
                  std::span<const std::uint32_t> patch_parts, const SiftLayersOptions& options,
                  std::vector<std::uint32_t>& ranks);
 
-// For improve_orders().
+// Returns the costs that improve_orders() minimises.
 OrderCosts measured_overdraw(const LayerLists& lists, std::span<const std::uint32_t> patch_parts,
                              const SiftLayersOptions& options);
 

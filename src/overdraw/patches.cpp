@@ -104,13 +104,13 @@ struct PartMesh {
   OrderConstraints none;            // nothing must come before anything
   std::vector<std::uint8_t> drawn;  // by node: every triangle once
 
-  // Of a global list by node.
+  // Returns the part of a list by node of the whole mesh.
   [[nodiscard]] std::span<const std::uint32_t> own(const std::vector<std::uint32_t>& of_nodes) const {
     return std::span(of_nodes).subspan(2 * std::size_t{first_triangle}, 2 * mesh.triangles.size());
   }
 };
 
-// Every part by itself, in time and memory by its own size: order_part(PartMesh).
+// Calls order_part(PartMesh) for every part. Time and memory depend only on the size of the part.
 template <class OrderPart>
 std::vector<std::uint32_t> order_parts(const OverdrawSubject& subject, const OrderPart& order_part) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -154,7 +154,8 @@ std::vector<std::uint32_t> cache_order(const OverdrawSubject& subject, std::uint
 
 std::vector<std::uint32_t> best_cache_order(const OverdrawSubject& subject, std::uint32_t cache_size,
                                             std::uint64_t seed, const Progress* progress) {
-  // Where tipsify goes after a dead end: by number, and at random.
+  // These ranks decide where tipsify continues after a dead end: by number in the first start, else at
+  // random.
   constexpr std::size_t kStarts = 4;
   Random random(seed);
   std::array<std::vector<std::uint32_t>, kStarts> ranks;
@@ -203,7 +204,7 @@ std::vector<std::uint32_t> static_overdraw_order(const OverdrawSubject& subject,
       }
     }
   }
-  // Outer patches that face outwards first.
+  // Outer patches that face outwards come first.
   std::vector<double> keys(patches.count(), 0.0);
   for (std::uint32_t patch = 0; patch < patches.count(); ++patch) {
     const Surface& whole = of_parts[patches.parts[patch]];

@@ -31,6 +31,11 @@ void aim(Camera& camera, const Vec3d& forward) {
 
 }  // namespace
 
+Eye eye_of(const BoundingSphere& sphere, const Viewpoint& viewpoint) {
+  if (std::isinf(viewpoint.distance)) return {viewpoint.direction, 0};
+  return {sphere.center + viewpoint.direction * (viewpoint.distance * sphere.radius), 1};
+}
+
 Camera look_at_sphere(const BoundingSphere& sphere, const Viewpoint& viewpoint, std::uint32_t width,
                       std::uint32_t height) {
   const double radius = sphere.radius > 0 ? sphere.radius : 1.0;

@@ -111,7 +111,7 @@ class OrderSplitter {
     set.facing = Facing::single;
     for (const OverdrawOrders& of_set : sets_.sets) {
       for (std::uint32_t order = 0; order < of_set.orders.size(); ++order) {
-        PrimitiveOrder own = split(triangle_sequence(of_set, order), part);
+        PrimitiveOrder own = split(triangle_order(of_set, order), part);
         set.orders.push_back(std::move(own.nodes));
         set.model_ranks.push_back(own.rank);
       }

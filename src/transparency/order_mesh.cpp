@@ -1,4 +1,14 @@
-// From a mesh to its in-depth buffers: see pellucid/transparency.h.
+// Computes the in-depth buffers of a mesh: the implementation of order_mesh() and order_frontier() in
+// pellucid/transparency.h. This file calls the steps in their order; each step has a file of its own:
+//
+//   1. simplify a large mesh, and a mesh for the search            pellucid/mesh.h
+//   2. find the occlusion graph of every view cell                 order_problem.h, graph/occlusion_graph.h
+//   3. cluster the cells: within an error budget, or acyclically   cluster/clustering.h
+//   4. arrange the order of every cluster for the vertex cache     sequencing/cache_order.h
+//   5. make the base order                                         order_problem.h
+//   6. carry the orders over to a large mesh and repair them       upsample.h
+//
+// Steps that take long are kept as records, so that an interrupted run can continue (run_records.h).
 
 #include <algorithm>
 #include <cmath>
@@ -7,42 +17,34 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "metric/validation.h"
 #include "pellucid/sequencing.h"
 #include "pellucid/shading.h"
 #include "pellucid/transparency.h"
 #include "sequencing/cache_order.h"
 #include "sequencing/edge_rows.h"
-#include "transparency/base_sequence.h"
-#include "transparency/cluster/acyclic.h"
-#include "transparency/cluster/bounds.h"
-#include "transparency/cluster/budget_search.h"
-#include "transparency/cluster/contiguity.h"
-#include "transparency/cluster/frontier.h"
-#include "transparency/cluster/validation.h"
+#include "transparency/cluster/clustering.h"
+#include "transparency/cluster/error_target.h"
 #include "transparency/order_problem.h"
 #include "transparency/run_records.h"
-#include "transparency/upsample/refine.h"
-#include "transparency/upsample/upsample.h"
+#include "transparency/upsample.h"
 
 namespace pellucid {
 namespace {
 
-// The authors' slack for the acyclic method, bounding radii: without one, overlaps that no pixel shows forbid
-// sharing.
+// The authors' tolerance for the acyclic method, bounding radii. Without it, cells could not share an order
+// because of overlaps that no pixel shows.
 constexpr double kAcyclicTolerance = 0.003;
-// Above this many triangles the occlusion graph of S[2,2] takes many gigabytes and minutes: order a simpler
-// mesh and upsample.
+// With more triangles, the occlusion graph of S[2,2] takes many gigabytes and minutes. Then a mesh simplified
+// to kUpsampleFrom triangles is ordered.
 constexpr std::uint32_t kMostDirectTriangles = 24000;
 constexpr std::uint32_t kUpsampleFrom = 10000;
-// Edges that weigh less than this (square radii, mean over a cell's viewpoints) are below a hundredth of a
-// pixel of a 1024 x 1024 picture. They are counted (pruned weight) but not kept.
-constexpr float kLeastWeight = 3e-7F;
-// A budget order's edges lighter than this are the first that its vertex-cache sequence may violate: the
-// cell-averaged weight of about half a pixel of a 1024 x 1024 picture, summed over a cluster.
+// With an error budget, edges lighter than this are the first that may be violated for the vertex cache. It
+// is the weight of about half a pixel of a 1024 x 1024 image, averaged over a cell and summed over a cluster.
 constexpr float kLeastBindingWeight = 1e-6F;
 
-// Clusters whose sequences are made at the same time.
-constexpr std::uint32_t kSequencesAtOnce = 4;
+// The number of clusters whose orders are made at the same time.
+constexpr std::uint32_t kOrdersAtOnce = 4;
 
 double tolerance_of(const OrderOptions& options) {
   if (options.tolerance >= 0) return options.tolerance;
@@ -54,12 +56,11 @@ void check_options(const Mesh& mesh, const OrderOptions& options) {
   if (mesh.triangles.empty()) throw Error(ErrorKind::nothing_to_do, "the mesh has no triangles to order");
   if (mesh.triangles.size() >= (std::uint64_t{1} << 30U)) refuse("the mesh has more than 2^30 triangles");
   for (const double distance : options.distances) {
-    if (!(distance > 1.0))
-      refuse("distances are in bounding radii and must be greater than 1, the sphere itself");
+    if (!(distance > 1.0)) refuse("distances are in bounding radii and must be greater than 1");
   }
   if (!(options.max_error >= 0)) refuse("the largest error must not be negative");
   if (options.least_frame_time && options.method != OrderMethod::budget)
-    refuse("frame times choose a number of buffers by the method budget only");
+    refuse("the number of buffers can be chosen by frame time only with the method budget");
   if (options.min_psnr && !(*options.min_psnr > 0 && *options.min_psnr <= kPerfectPsnr))
     refuse("the least PSNR must be above 0 dB and at most 100 dB, which stands for no error");
   if (!(options.alpha >= 0 && options.alpha <= 1)) refuse("the opacity alpha must be 0 .. 1");
@@ -81,36 +82,16 @@ std::uint32_t count_cyclic_cells(const OcclusionGraph& graph) {
   return static_cast<std::uint32_t>(std::count(cyclic.begin(), cyclic.end(), 1));
 }
 
-// Which nodes some cell of a cluster can see, within the valid range of distances (never too few).
-std::vector<std::uint8_t> visible_nodes(const OrderProblem& problem, const std::vector<std::uint32_t>& cells,
-                                        const ValidRange& range, Facing facing) {
-  const Mesh& mesh = *problem.mesh;
-  std::vector<std::uint8_t> drawn(2 * mesh.triangles.size(), 0);
-  parallel_loop(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()), [&](std::uint32_t t) {
-    const Vec3d normal = triangle_normal(mesh, t);
-    const double offset =
-        dot(normal, to_double(mesh.positions[mesh.triangles[t][0]]) - problem.sphere.center);
-    const auto seen = [&](const Vec3d& n, double o) {
-      return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
-        return front_visible(problem.partition, cell, n, o, problem.sphere.radius, range.from, range.to);
-      });
-    };
-    drawn[node_of(t, false)] = seen(normal, offset) ? 1 : 0;
-    if (facing == Facing::duplicated) drawn[node_of(t, true)] = seen(-normal, -offset) ? 1 : 0;
-  });
-  return drawn;
-}
-
-// A mesh hardly larger than the coarse one is searched as it is.
-bool has_simpler(const Mesh& mesh) {
+// A mesh that is hardly larger than the coarse one is searched as it is.
+bool needs_simpler_mesh(const Mesh& mesh) {
   return mesh.triangles.size() > kCoarseTriangles * 3 / 2;
 }
 
-// Fewer cells of the same sampling density, for the search.
+// Returns a partition with fewer cells and the same sampling density, for the search.
 PartitionSpec coarse_partition(const PartitionSpec& spec) {
   if (!has_triangle_cells(spec)) return spec;
   PartitionSpec coarse = spec;
-  coarse.kind = PartitionKind::sampled_triangles;  // the search goes by weights, which samples give
+  coarse.kind = PartitionKind::sampled_triangles;  // the search uses weights, which samples give
   if (coarse.level > 1) {
     --coarse.level;
     ++coarse.sample_level;
@@ -137,12 +118,13 @@ class Orderer {
 
   OrderFrontier frontier(bool with_result) {
     if (options_.method != OrderMethod::budget)
-      throw Error(ErrorKind::bad_argument, "only the method budget has a frontier");
+      throw Error(ErrorKind::bad_argument,
+                  "only the method budget has a curve of error against number of buffers");
     prepare();
-    measure_pictures_ = true;
-    BudgetOptions budget = budget_options();
+    measure_psnr_ = true;
+    ErrorBudgetOptions budget = error_budget_options();
     budget.min_buffers = 1;
-    std::vector<BudgetResult> solutions = solve_all_budgets(coarse(), fine_, budget);
+    std::vector<ErrorBudgetResult> solutions = solve_every_number(coarse(), fine_, budget);
     result_.statistics.seconds.cluster = stage_.lap();
 
     OrderFrontier frontier;
@@ -151,7 +133,7 @@ class Orderer {
       solutions[k].clustering = without_unused_orders(std::move(solutions[k].clustering));
       record(solutions[k]);
       completion_ = records_.part(std::to_string(k + 1).append("-orders"));
-      // Only the full mesh can say what a carried order is worth.
+      // The error of a carried order can be measured only on the full mesh.
       if (upsampling_) {
         complete(solutions[k].clustering, k + 1 == solutions.size());
         completed.push_back(result_);
@@ -178,7 +160,7 @@ class Orderer {
   }
 
  private:
-  // The meshes that are ordered and searched, and what hides what on them.
+  // Makes the meshes that are ordered and searched, and their occlusion graphs.
   void prepare() {
     const std::uint32_t upsample_from =
         options_.upsample_from.value_or(mesh_.triangles.size() > kMostDirectTriangles ? kUpsampleFrom : 0);
@@ -187,8 +169,8 @@ class Orderer {
 
     fine_ =
         make_problem(ordered(), options_.partition, options_, tolerance_of(options_), records_.part("full"));
-    if (has_simpler(ordered())) simpler_ = simplify(ordered(), kCoarseTriangles);
-    const Mesh& coarse_mesh = has_simpler(ordered()) ? simpler_ : ordered();
+    if (needs_simpler_mesh(ordered())) simpler_ = simplify(ordered(), kCoarseTriangles);
+    const Mesh& coarse_mesh = needs_simpler_mesh(ordered()) ? simpler_ : ordered();
     const PartitionSpec coarse_spec = coarse_partition(options_.partition);
     own_search_ = &coarse_mesh == &ordered() && coarse_spec == options_.partition;
     if (!own_search_) {
@@ -201,12 +183,13 @@ class Orderer {
   [[nodiscard]] const Mesh& ordered() const { return upsampling_ ? simplified_ : mesh_; }
   [[nodiscard]] const OrderProblem& coarse() const { return own_search_ ? fine_ : coarse_; }
 
-  // From clusters to sequences of the full mesh. `last`: the graph may go, nothing is completed after this.
+  // Makes the orders of the full mesh from the clusters. `last`: the graph is not needed afterwards and may
+  // be freed.
   void complete(const Clustering& clustering, bool last) {
-    result_.orders.orders = make_sequences(fine_, clustering);
+    result_.orders.orders = make_orders(fine_, clustering);
     begin_stage(options_.progress, "base order", 0);
     result_.orders.base_sequence =
-        checkpointed(records_, "base-sequence", [&] { return base_sequence(mesh_, coarse()); });
+        checkpointed(records_, "base-sequence", [&] { return base_order(mesh_, coarse()); });
     result_.statistics.seconds.sequence += stage_.lap();
     if (upsampling_) {
       if (last) fine_.graph = {};
@@ -231,13 +214,13 @@ class Orderer {
     for (const CompactRows& cell : graph.cells) statistics.edges_total += cell.edge_count();
     total_weight_ = graph.total_weight;
     statistics.intersecting_pairs = graph.intersecting;
-    // The acyclic method counts them itself as it breaks their cycles.
+    // The acyclic method counts these cells itself when it breaks their cycles.
     if (options_.method == OrderMethod::budget) statistics.cyclic_cells = count_cyclic_cells(graph);
   }
 
   Clustering cluster() {
     if (options_.method == OrderMethod::budget) {
-      BudgetResult found = search_budget(coarse(), fine_, budget_options());
+      ErrorBudgetResult found = find_fewest_orders(coarse(), fine_, error_budget_options());
       record(found);
       return std::move(found.clustering);
     }
@@ -246,28 +229,28 @@ class Orderer {
     return clustering;
   }
 
-  [[nodiscard]] BudgetOptions budget_options() const {
-    BudgetOptions budget;
+  [[nodiscard]] ErrorBudgetOptions error_budget_options() const {
+    ErrorBudgetOptions budget;
     budget.target = error_target(options_);
-    // More than one for each cell would be used by none.
+    // More buffers than cells would not be used.
     const std::uint32_t cells = fine_.partition.cell_count();
     budget.min_buffers = std::min(options_.min_buffers, cells);
     budget.max_buffers = std::min(options_.max_buffers, cells);
     budget.front_only = options_.facing == Facing::single;
     budget.range = range_;
-    budget.picture_alpha = measured_alpha();
+    budget.image_alpha = measured_alpha();
     budget.seed = options_.seed;
     budget.progress = options_.progress;
     budget.records = records_;
     return budget;
   }
 
-  // Opacity of the pictures that the PSNR is measured on; 0: nobody asks for it.
+  // Returns the opacity of the images that the PSNR is measured on; 0: it is not measured.
   [[nodiscard]] double measured_alpha() const {
-    return options_.min_psnr || measure_pictures_ ? picture_alpha(options_) : 0;
+    return options_.min_psnr || measure_psnr_ ? image_alpha(options_) : 0;
   }
 
-  void record(const BudgetResult& found) {
+  void record(const ErrorBudgetResult& found) {
     record(found.measured);
     result_.statistics.iterations = found.clustering.rounds;
     result_.statistics.violated_weight = share_of_weight(found.clustering.cost);
@@ -282,7 +265,7 @@ class Orderer {
     return total_weight_ > 0 ? violated / total_weight_ : 0;
   }
 
-  // What was just recorded, as a point of the frontier.
+  // Returns what was just recorded as a point of the curve.
   [[nodiscard]] FrontierPoint point(std::uint32_t request, const Clustering& clustering) const {
     OrderProblem full;
     full.mesh = &mesh_;
@@ -306,8 +289,8 @@ class Orderer {
     return point;
   }
 
-  // And the weight that any order of the cluster violates.
-  [[nodiscard]] std::pair<NodeSequence, double> sequence_cluster(const OrderProblem& problem,
+  // Returns the order of a cluster, and a lower bound of the weight that any order of it violates.
+  [[nodiscard]] std::pair<NodeSequence, double> order_of_cluster(const OrderProblem& problem,
                                                                  const Clustering& clustering,
                                                                  std::uint32_t c) const {
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, c);
@@ -327,15 +310,16 @@ class Orderer {
     return {cache_aware_order(*problem.mesh, edges, ranks, drawn, sequence), unavoidable};
   }
 
-  std::vector<NodeSequence> make_sequences(const OrderProblem& problem, const Clustering& clustering) {
+  std::vector<NodeSequence> make_orders(const OrderProblem& problem, const Clustering& clustering) {
     begin_stage(options_.progress, "sequences", clustering.cluster_count());
     std::vector<NodeSequence> sequences(clustering.cluster_count());
     std::vector<double> unavoidable(clustering.cluster_count(), 0.0);
-    // A few clusters at a time: the summed edges of one may take some 100 MB. Each range works on one of
-    // them, and the simple partitioner makes the same few ranges for any number of threads.
-    const std::uint32_t at_once =
-        problem.graph.spilled ? clustering.cluster_count()
-                              : (clustering.cluster_count() + kSequencesAtOnce - 1) / kSequencesAtOnce;
+    // The summed edges of one cluster may take some 100 MB, so only a few clusters are in work at a time.
+    // Each range works on one cluster, and the simple partitioner makes the same few ranges for any number of
+    // threads.
+    const std::uint32_t at_once = problem.graph.spilled
+                                      ? clustering.cluster_count()
+                                      : (clustering.cluster_count() + kOrdersAtOnce - 1) / kOrdersAtOnce;
     parallel_ranges(
         std::uint32_t{0}, clustering.cluster_count(), at_once,
         [&](std::uint32_t begin, std::uint32_t end) {
@@ -343,12 +327,12 @@ class Orderer {
             stop_if_requested(options_.progress);
             std::tie(sequences[c], unavoidable[c]) =
                 checkpointed(completion_, std::string("sequence-").append(std::to_string(c)),
-                             [&] { return sequence_cluster(problem, clustering, c); });
+                             [&] { return order_of_cluster(problem, clustering, c); });
             advance_stage(options_.progress, 1);
           }
         },
         Partitioner::simple);
-    // What the cells cannot avoid, their clusters cannot either.
+    // Weight that the cells cannot avoid, their clusters cannot avoid either.
     OrderStatistics& statistics = result_.statistics;
     statistics.violated_floor = share_of_weight(unavoidable_in_cells(problem.graph, clustering));
     statistics.violated_bound =
@@ -357,7 +341,7 @@ class Orderer {
     return sequences;
   }
 
-  // From sequences of the simplified mesh to sequences of the full one (section 5), repaired there.
+  // Carries the orders of the simplified mesh over to the full one (section 5), and repairs them there.
   void carry_over(const Mesh& simplified, const std::vector<std::uint32_t>& cluster_of) {
     OrderProblem full;
     full.mesh = &mesh_;
@@ -380,7 +364,7 @@ class Orderer {
       begin_stage(options_.progress, "wrong pixels", 0);
       ValidationOptions validation =
           held_out_viewpoints(range_, refine.front_only, options_.seed, options_.progress);
-      validation.picture_alpha = measured_alpha();
+      validation.image_alpha = measured_alpha();
       record(checkpointed(completion_, "full-error", [&] {
         return measure_order_error(mesh_, full.sphere, full.partition, cluster_of, ranks, validation);
       }));
@@ -404,8 +388,9 @@ class Orderer {
     }
   }
 
-  // Every node of the full mesh in the place of its nearest coarse node: among those that share one by depth,
-  // which the repair starts from, or in cache order where there is no repair (the paper's form).
+  // Puts every node of the full mesh in the place of its nearest coarse node. Nodes with the same coarse node
+  // are sorted by depth, which the repair starts from, or in cache order if there is no repair (as in the
+  // paper).
   std::vector<std::vector<std::uint32_t>> carried_ranks(const OrderProblem& full, const Mesh& simplified,
                                                         const std::vector<std::uint32_t>& cluster_of) const {
     const std::vector<NodeId> parents = nearest_coarse_nodes(mesh_, simplified);
@@ -421,7 +406,8 @@ class Orderer {
         within = depth_keys(mesh_, full.sphere, full.partition, cells_of_cluster(cluster_of, c));
       }
       std::vector<std::uint32_t> coarse = ranks_of(result_.orders.orders[c], simplified.triangles.size());
-      // A facing that can be seen although its parent's cannot goes where the parent's other facing is.
+      // If a facing can be seen and its coarse node cannot, it takes the place of the coarse node's other
+      // facing.
       for (NodeId node = 0; node < coarse.size(); ++node) {
         if (coarse[node] == kNoRank) coarse[node] = coarse[node ^ 1U];
       }
@@ -446,12 +432,12 @@ class Orderer {
   const Mesh& mesh_;
   OrderOptions options_;
   RunRecords records_;
-  RunRecords completion_;  // of what complete() does
+  RunRecords completion_;  // of the steps in complete()
   ValidRange range_{};
-  Mesh simplified_, simpler_;   // of upsampling; of the search
+  Mesh simplified_, simpler_;   // for upsampling; for the search
   OrderProblem fine_, coarse_;  // coarse_ only if the search has a problem of its own
   bool upsampling_ = false, own_search_ = false;
-  bool measure_pictures_ = false;  // PSNR although it is no target
+  bool measure_psnr_ = false;  // although it is not the target
   double total_weight_ = 0;
   Stopwatch total_, stage_;
   OrderResult result_;
@@ -464,52 +450,8 @@ std::vector<double> default_distances() {
   return {1.5, 3.0, kInfiniteDistance};
 }
 
-double picture_alpha(const OrderOptions& options) {
+double image_alpha(const OrderOptions& options) {
   return options.alpha > 0 ? options.alpha : ShadingOptions{}.alpha;
-}
-
-ValidRange valid_range(PartitionKind kind, const std::vector<double>& distances) {
-  const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
-  // All distances in between are known. A single one says as much as it does of samples.
-  if (kind == PartitionKind::view_triangles && *least < *most) return {*least, *most};
-  // From infinity the view of a finite camera differs by its perspective, 1 / distance.
-  constexpr double kFarEnough = 8;
-  if (std::isinf(*least)) return {kFarEnough, kInfiniteDistance};
-  const double from = std::max(1.0, 2.0 / 3.0 * *least);
-  if (kind == PartitionKind::view_regions) return {from, kInfiniteDistance};
-  // Errors grow slowly with distance: 3 radii stand for the paper's 2 to 5.
-  return {from, 5.0 / 3.0 * *most};
-}
-
-ValidRange solid_range(PartitionKind kind, const std::vector<double>& distances) {
-  if (kind == PartitionKind::view_regions) return valid_range(kind, distances);
-  const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
-  return {*least, *most};
-}
-
-OrderProblem make_problem(const Mesh& mesh, const PartitionSpec& partition, const OrderOptions& options,
-                          double tolerance, const RunRecords& records) {
-  OrderProblem problem;
-  problem.mesh = &mesh;
-  problem.sphere = bounding_sphere(mesh);
-  problem.partition = make_partition(partition);
-  GraphOptions graph;
-  graph.distances = options.distances;
-  graph.all_distances = partition.kind == PartitionKind::viewpoints || partition.sample_level == 0;
-  graph.tolerance = tolerance;
-  graph.least_weight = kLeastWeight;
-  graph.source = options.occlusion;
-  graph.raster_size = options.raster_size;
-  graph.alpha = options.alpha;
-  graph.front_only = options.facing == Facing::single;
-  graph.memory = options.memory / 2;
-  graph.progress = options.progress;
-  const ValidRange solid = solid_range(partition.kind, options.distances);
-  graph.solid_from = solid.from;
-  graph.solid_to = solid.to;
-  graph.records = records;
-  problem.graph = build_occlusion_graph(mesh, problem.sphere, problem.partition, graph);
-  return problem;
 }
 
 CleanMesh clean_to_order(const Mesh& mesh, const CleanOptions& options, const std::string& name) {
@@ -523,7 +465,7 @@ OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options) {
   check_options(mesh, options);
   const RunRecords records(mesh, options);
   OrderResult result = checkpointed(records, "result", [&] {
-    // Which number is the best is known once all have been tried.
+    // The best number is known when all have been tried.
     if (options.least_frame_time) return *order_frontier(mesh, options, true).result;
     return Orderer(mesh, options, records).run();
   });

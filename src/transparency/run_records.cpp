@@ -1,4 +1,4 @@
-// Records of one run: see run_records.h.
+// Keeps the results of finished steps: see run_records.h.
 #include "transparency/run_records.h"
 
 #include <string_view>
@@ -8,12 +8,13 @@
 namespace pellucid {
 namespace {
 
-// Raised whenever a step computes something else, or its record has another form, within one version.
+// Must be raised when a step computes something else, or when its record has another form, within one
+// version.
 constexpr std::uint32_t kRecordsFormat = 3;
 
 std::vector<std::byte> bytes_of_options(const OrderOptions& options) {
-  // Every member has a name here, so that an option that is added does not compile until somebody has said
-  // whether results depend on it.
+  // Every member has a name here. So a new option does not compile until it is decided whether results depend
+  // on it.
   const auto& [method, partition, distances, facing, occlusion, raster_size, tolerance, alpha, max_error,
                min_psnr, least_frame_time, max_buffers, min_buffers, priority, fruitless_rounds,
                upsample_from, refine_rounds, cache_size, cache_method, cache_slack, memory, seed, progress,

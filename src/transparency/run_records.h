@@ -1,9 +1,10 @@
-// What one call of order_mesh keeps in a CheckpointStore.
+// Keeps the results of finished steps of one order_mesh() call in a CheckpointStore, so that the next call
+// can skip these steps. In: a value under a name. Out: the same value.
 //
 // A step that takes long is written as
-//   checkpointed(records, "sequence-3", [&] { return sequence_cluster(3); })
-// and is skipped where the record is there. Steps are deterministic, so that a run that was continued ends
-// with the same bytes as one that was not.
+//   checkpointed(records, "sequence-3", [&] { return order_of_cluster(3); })
+// and is skipped if its record exists. Steps are deterministic, so a run that was continued ends with the
+// same bytes as one that was not interrupted.
 #pragma once
 
 #include <optional>
@@ -20,18 +21,18 @@ namespace pellucid {
 
 class RunRecords {
  public:
-  RunRecords() = default;  // nothing is kept
-  // Of options.checkpoints, where there is one.
+  RunRecords() = default;  // keeps nothing
+  // Keeps records in options.checkpoints, if there is one.
   RunRecords(const Mesh& mesh, const OrderOptions& options);
 
-  // Records whose names begin with `name` and a hyphen.
+  // Returns the records whose names begin with `name` and a hyphen.
   [[nodiscard]] RunRecords part(const std::string& name) const;
   [[nodiscard]] bool kept() const { return store_ != nullptr; }
 
   [[nodiscard]] std::optional<std::vector<std::byte>> load(const std::string& name) const;
   void save(const std::string& name, std::vector<std::byte> bytes) const;
   void refuse(const std::string& name) const;
-  // Records of finished steps that a later one makes superfluous.
+  // Removes all records but one: the records of finished steps that a later step has made superfluous.
   void remove_others(const std::string& kept) const;
 
  private:
@@ -39,10 +40,11 @@ class RunRecords {
   std::string run_, prefix_;
 };
 
-// 32 hexadecimal digits that stand for the mesh, all options that the result depends on, and the version.
+// Returns 32 hexadecimal digits that identify the mesh, all options that the result depends on, and the
+// version.
 std::string run_identity(const Mesh& mesh, const OrderOptions& options);
 
-// The value that was recorded under this name, if it was.
+// Returns the value that was recorded under this name, if there is one.
 template <class Value>
 std::optional<Value> recorded(const RunRecords& records, const std::string& name) {
   const std::optional<std::vector<std::byte>> bytes = records.load(name);
@@ -61,7 +63,7 @@ void record(const RunRecords& records, const std::string& name, const Value& val
   records.save(name, writer.take());
 }
 
-// What was recorded, else what `make` makes, which then is.
+// Returns the recorded value. If there is none, returns the value that `make` makes, and records it.
 template <class Make>
 auto checkpointed(const RunRecords& records, const std::string& name, const Make& make) {
   using Value = std::invoke_result_t<const Make&>;
@@ -72,7 +74,7 @@ auto checkpointed(const RunRecords& records, const std::string& name, const Make
   return value;
 }
 
-// ---------------------------------------------------------------------------------- what public types hold
+// ---------------------------------------------------------------------------------- members of public types
 
 template <class Archive, RecordOf<PartitionSpec> T>
 void fields(Archive& archive, T& spec) {

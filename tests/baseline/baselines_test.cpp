@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "baseline/contender.h"
+#include "baseline/measured_method.h"
 #include "pellucid/baseline.h"
 #include "report/handmade.h"
 
@@ -34,9 +34,10 @@ TEST(Baselines, CacheStatisticsOfTwoTriangles) {
   EXPECT_DOUBLE_EQ(single.acmr, 2.0);
   EXPECT_DOUBLE_EQ(single.acmr_drawn, 2.0);
 
-  // Twins share all vertices: half the misses per listed triangle, as many per drawn one.
-  const NodeSequence twins{0, 1, 2, 3};
-  const BufferStatistics both = sequence_statistics(mesh, twins, CacheModel::fifo, 20);
+  // Both facings of a triangle share all vertices. So there are half as many misses per listed triangle, and
+  // the same number per drawn one.
+  const NodeSequence both_facings{0, 1, 2, 3};
+  const BufferStatistics both = sequence_statistics(mesh, both_facings, CacheModel::fifo, 20);
   EXPECT_EQ(both.misses, 4U);
   EXPECT_DOUBLE_EQ(both.acmr, 1.0);
   EXPECT_DOUBLE_EQ(both.acmr_drawn, 2.0);
@@ -48,7 +49,7 @@ TEST(Baselines, CacheStatisticsOfTwoTriangles) {
   EXPECT_DOUBLE_EQ(pool.acmr_drawn, 2.0);
 }
 
-TEST(Baselines, EmptySequenceHasNoMisses) {
+TEST(Baselines, EmptyOrderHasNoMisses) {
   const BufferStatistics none = sequence_statistics(testing::two_triangles(), {}, CacheModel::fifo, 20);
   EXPECT_EQ(none.misses, 0U);
   EXPECT_EQ(none.acmr, 0.0);
@@ -58,15 +59,15 @@ TEST(Baselines, CacheOrderIsAPermutationEvenWithDuplicates) {
   Mesh mesh = random_mesh(7, 60, 300);
   mesh.triangles.push_back(mesh.triangles[3]);
   mesh.triangles.push_back(mesh.triangles[3]);
-  std::vector<std::uint32_t> sequence = cache_optimized_sequence(mesh);
+  std::vector<std::uint32_t> sequence = cache_optimized_order(mesh);
   std::sort(sequence.begin(), sequence.end());
   std::vector<std::uint32_t> all(mesh.triangles.size());
   std::iota(all.begin(), all.end(), 0U);
   EXPECT_EQ(sequence, all);
-  EXPECT_TRUE(cache_optimized_sequence(Mesh{}).empty());
+  EXPECT_TRUE(cache_optimized_order(Mesh{}).empty());
 }
 
-TEST(Baselines, CacheOrderOfTwinsHoldsTheSameNodes) {
+TEST(Baselines, CacheOrderOfNodesHoldsTheSameNodes) {
   const Mesh mesh = random_mesh(11, 60, 300);
   NodeSequence nodes;
   for (NodeId node = 0; node < 2 * mesh.triangles.size(); ++node) {
@@ -103,7 +104,7 @@ TEST(Baselines, InsideValidFromTheBaseOrderIsDrawn) {
   EXPECT_EQ(std::count(outside.begin(), outside.end(), kNoRank), 2);  // only one facing is listed
 }
 
-TEST(Baselines, MeasureListsOrdersFirstThenTheirRivals) {
+TEST(Baselines, MeasureListsOrdersBeforeBaselines) {
   const Mesh mesh = testing::two_triangles();
   OrderSet orders = testing::two_orders();
   orders.orders = {{0, 1, 2, 3}};  // a flat mesh is right in any order that holds both facings
@@ -133,7 +134,7 @@ TEST(Baselines, MeasureListsOrdersFirstThenTheirRivals) {
   EXPECT_GT(report.methods.front().nanoseconds_per_frame, 0.0);  // choosing an order
 }
 
-TEST(Baselines, AllRivalsDrawAFlatMeshRight) {
+TEST(Baselines, AllBaselinesDrawAFlatMeshRight) {
   const Mesh mesh = testing::two_triangles();
   const OrderSet orders = testing::two_orders();
   MeasureSettings settings;
@@ -209,7 +210,7 @@ TEST(RunTime, IsAboutTheWorkThatIsDone) {
   EXPECT_EQ(nanoseconds_per_frame(spin(10), {}), 0);
 }
 
-TEST(Baselines, MissingTwinsAreWrongPixels) {
+TEST(Baselines, MissingBackFacesAreWrongPixels) {
   const Mesh mesh = testing::two_triangles();
   OrderSet orders = testing::two_orders();
   orders.orders = {{0, 2}};  // front facings only, drawn from everywhere

@@ -142,8 +142,8 @@ class FileDrawing {
   }
 
   // Mean overdraw, selected by time and eye as a program does.
-  double measure(const OverdrawMeasurement& measurement) const {
-    const OverdrawContender file{
+  double measure(const PosedOverdrawOptions& measurement) const {
+    const PosedDrawingMethod file{
         "file", [this](std::uint32_t frame, const Viewpoint& viewpoint) {
           const Vec3d eye =
               spheres_[frame].center + viewpoint.direction * (viewpoint.distance * spheres_[frame].radius);
@@ -191,9 +191,9 @@ TEST(OverdrawCommand, TheWrittenFileDrawsAsMeasured) {
     const Finished done = run_pellucid(quick(input, {"-o", output, "--encoding", encoding, "--sides",
                                                      "single", "--baselines", "none", "--json", "-"}));
     ASSERT_EQ(done.code, 0) << done.err;
-    OverdrawMeasurement measurement;
+    PosedOverdrawOptions measurement;
     measurement.size = 64;
-    measurement.most_pictures = 60;
+    measurement.most_images = 60;
     const double told = nlohmann::json::parse(done.out)["overdraw"]["mean"].get<double>();
     EXPECT_NEAR(FileDrawing(output).measure(measurement), told, 1e-6) << encoding;
   }

@@ -52,7 +52,7 @@ TEST(FrameErrorOf, CountsTheWrongPixelsOfTwoQuads) {
   EXPECT_GT(missing.squared_error, 0.0);
 }
 
-TEST(FrameErrorOf, SquaredErrorIsThatOfThePictures) {
+TEST(FrameErrorOf, SquaredErrorIsThatOfTheImages) {
   const Mesh mesh = random_soup(80, 0.4, 8, 0.5);
   const Camera camera = look_at_sphere(bounding_sphere(mesh), {{0, 0, 1}, 3}, 80, 80);
   const FragmentBuffer fragments = fragments_of(mesh, camera);
@@ -68,7 +68,7 @@ TEST(FrameErrorOf, SquaredErrorIsThatOfThePictures) {
       expected += d * d;
     }
     const double actual = frame_error(mesh, camera, fragments, ranks, options).squared_error;
-    // The pictures are rounded to 8 bits.
+    // The images are rounded to 8 bits.
     EXPECT_NEAR(actual, expected, 0.03 * expected);
     EXPECT_GT(actual, 1.0);
   }

@@ -7,9 +7,7 @@
 #include <set>
 
 #include "overdraw/compact_sets.h"
-#include "overdraw/mesh_links.h"
 #include "overdraw/overdraw_costs.h"
-#include "overdraw/run_finder.h"
 #include "overdraw_helpers.h"
 
 namespace pellucid {
@@ -206,7 +204,7 @@ struct Scene {
   }
 };
 
-TEST(ListsOfPatches, AreThoseOfTheirPictures) {
+TEST(ListsOfPatches, AreThoseOfTheirImages) {
   OverdrawSubject subject =
       testing::subject_of({testing::nested_spheres(1), testing::random_soup(60, 0.6, 9)});
   subject.double_sided.assign(subject.triangles.size(), 1);

@@ -1,4 +1,4 @@
-// Orders of patches by measured overdraw: wishes and sifting against brute force.
+// Orders of patches by measured overdraw: pairwise preferences and sifting against brute force.
 #include "overdraw/overdraw_costs.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +83,7 @@ TEST(LayerRows, SayExactlyWhatAMoveCosts) {
   EXPECT_GT(changes, 1000);
 }
 
-TEST(LayerRows, PatchesOfNoListWishForNothing) {
+TEST(LayerRows, PatchesOfNoListHaveNoPreferences) {
   ListPool pool;
   const std::vector<WeightedList> weighted{{pool.number_of(std::vector<Layer>{0, 2}), 5}};
   const std::vector<std::uint32_t> parts{0, 0, 0};

@@ -306,24 +306,24 @@ TEST(JoinedLists, CostWhatListsOfJoinedPatchesCost) {
 
 // ------------------------------------------------------------------------------------------ measurement
 
-TEST(MeasurePosedOverdraw, IsTheMeanOfPictures) {
+TEST(MeasurePosedOverdraw, IsTheMeanOverImages) {
   const OverdrawSubject subject = testing::passing_spheres(1, 2);
   Random random(3);
   const auto count = static_cast<std::uint32_t>(subject.triangles.size());
   const std::vector<std::vector<std::uint32_t>> ranks{testing::random_ranks(count, random),
                                                       testing::random_ranks(count, random)};
-  OverdrawMeasurement options;
+  PosedOverdrawOptions options;
   options.viewpoints = 5;
   options.size = 40;
-  const std::vector<OverdrawContender> contenders{
+  const std::vector<PosedDrawingMethod> methods{
       {"first", [&](std::uint32_t, const Viewpoint&) { return std::span(ranks[0]); }},
       {"by frame", [&](std::uint32_t frame, const Viewpoint&) { return std::span(ranks[frame]); }}};
-  const std::vector<OverdrawQuality> measured = measure_posed_overdraw(subject, contenders, options);
+  const std::vector<OverdrawQuality> measured = measure_posed_overdraw(subject, methods, options);
   ASSERT_EQ(measured.size(), 2U);
   const std::vector<Viewpoint> viewpoints =
       random_viewpoints(5, options.min_distance, options.max_distance, options.seed);
   for (std::size_t c = 0; c < 2; ++c) {
-    EXPECT_EQ(measured[c].name, contenders[c].name);
+    EXPECT_EQ(measured[c].name, methods[c].name);
     double mean = 0, max = 0;
     for (std::uint32_t frame = 0; frame < 2; ++frame) {
       double of_frame = 0;
@@ -341,21 +341,21 @@ TEST(MeasurePosedOverdraw, IsTheMeanOfPictures) {
   }
 }
 
-TEST(MeasurePosedOverdraw, FewerPicturesStillShowEveryFrame) {
+TEST(MeasurePosedOverdraw, FewerImagesStillShowEveryFrame) {
   const OverdrawSubject subject = testing::passing_spheres(0, 6);
   const std::vector<std::uint32_t> ranks = triangle_ranks(cache_order(subject, 16));
-  OverdrawMeasurement options;
+  PosedOverdrawOptions options;
   options.viewpoints = 10;
   options.size = 32;
   for (const std::uint64_t most : {1U, 12U, 1000U}) {
-    options.most_pictures = most;
-    std::atomic<std::uint64_t> pictures = 0;
-    const std::vector<OverdrawContender> one{{"one", [&](std::uint32_t, const Viewpoint&) {
-                                                ++pictures;
-                                                return std::span(ranks);
-                                              }}};
+    options.most_images = most;
+    std::atomic<std::uint64_t> images = 0;
+    const std::vector<PosedDrawingMethod> one{{"one", [&](std::uint32_t, const Viewpoint&) {
+                                                 ++images;
+                                                 return std::span(ranks);
+                                               }}};
     const OverdrawQuality quality = measure_posed_overdraw(subject, one, options).front();
-    EXPECT_EQ(pictures, most == 1 ? 6U : (most == 12 ? 12U : 60U));
+    EXPECT_EQ(images, most == 1 ? 6U : (most == 12 ? 12U : 60U));
     for (const double of_frame : quality.by_frame) EXPECT_GE(of_frame, 1);
   }
 }

@@ -51,7 +51,7 @@ void expect_valid(const OverdrawSubject& subject, const OverdrawOptions& options
     EXPECT_EQ(made.orders[order].size(), patches);
     EXPECT_TRUE(testing::is_permutation_of_all(made.orders[order]));
     EXPECT_TRUE(testing::parts_stay_together(made.orders[order], made.patch_parts));
-    const std::vector<std::uint32_t> triangles = triangle_sequence(made, order);
+    const std::vector<std::uint32_t> triangles = triangle_order(made, order);
     EXPECT_EQ(triangles.size(), subject.triangles.size());
     EXPECT_TRUE(testing::is_permutation_of_all(triangles));
     EXPECT_TRUE(testing::parts_stay_together(triangles, parts));
@@ -73,7 +73,7 @@ void expect_valid(const OverdrawSubject& subject, const OverdrawOptions& options
   EXPECT_GE(made.run.training_overdraw, 1);
   std::vector<std::vector<std::uint32_t>> sequences;
   for (std::uint32_t order = 0; order < made.orders.size(); ++order)
-    sequences.push_back(triangle_sequence(made, order));
+    sequences.push_back(triangle_order(made, order));
   EXPECT_NEAR(made.run.acmr, acmr_of(subject, sequences, options.cache_size), 1e-9);
 }
 
@@ -83,7 +83,7 @@ std::vector<std::vector<double>> recount(const OverdrawSubject& subject, const O
   const ViewPartition partition = make_partition({PartitionKind::viewpoints, options.view_level, 0});
   std::vector<std::vector<std::uint32_t>> ranks;
   for (std::uint32_t order = 0; order < made.orders.size(); ++order)
-    ranks.push_back(triangle_ranks(triangle_sequence(made, order)));
+    ranks.push_back(triangle_ranks(triangle_order(made, order)));
   PoseRaster raster(subject, made.spheres, options.size);
   std::vector<std::vector<double>> table;
   for (std::uint32_t frame = 0; frame < subject.frames.size(); ++frame) {
@@ -206,21 +206,21 @@ TEST(OrderOverdraw, RefinedShadesNoMoreThanThePaperInViewsHeldOut) {
       expect_valid(subject, options, made.back());
       ranks.emplace_back();
       for (std::uint32_t order = 0; order < made.back().orders.size(); ++order)
-        ranks.back().push_back(triangle_ranks(triangle_sequence(made.back(), order)));
+        ranks.back().push_back(triangle_ranks(triangle_order(made.back(), order)));
     }
     const ViewPartition partition = make_partition({PartitionKind::viewpoints, 1, 0});
-    std::vector<OverdrawContender> contenders;
+    std::vector<PosedDrawingMethod> methods;
     for (std::size_t c = 0; c < made.size(); ++c) {
-      contenders.push_back({"", [&, c](std::uint32_t frame, const Viewpoint& viewpoint) {
-                              const std::uint32_t cell = find_cell(partition, viewpoint.direction);
-                              const std::size_t view = std::size_t{frame} * partition.cell_count() + cell;
-                              return std::span<const std::uint32_t>(ranks[c][made[c].cell_orders[view]]);
-                            }});
+      methods.push_back({"", [&, c](std::uint32_t frame, const Viewpoint& viewpoint) {
+                           const std::uint32_t cell = find_cell(partition, viewpoint.direction);
+                           const std::size_t view = std::size_t{frame} * partition.cell_count() + cell;
+                           return std::span<const std::uint32_t>(ranks[c][made[c].cell_orders[view]]);
+                         }});
     }
-    OverdrawMeasurement measurement;
+    PosedOverdrawOptions measurement;
     measurement.viewpoints = 60;
     measurement.size = 96;
-    const std::vector<OverdrawQuality> quality = measure_posed_overdraw(subject, contenders, measurement);
+    const std::vector<OverdrawQuality> quality = measure_posed_overdraw(subject, methods, measurement);
     EXPECT_LE(quality[1].mean, quality[0].mean) << sample.name;
     EXPECT_GE(quality[1].mean, 1) << sample.name;
     // With no more misses.
@@ -263,7 +263,7 @@ TEST(OrderOverdraw, LambdaThreeOrdersSingleTriangles) {
 }
 
 TEST(OrderOverdraw, MorePartsThanOrdersCanMix) {
-  // Many small parts that wish to be mixed: draw calls stay whole.
+  // Many small parts whose patches would mix in the best order: draw calls stay whole.
   std::vector<Mesh> parts;
   for (std::uint64_t seed = 1; seed <= 7; ++seed) parts.push_back(testing::random_soup(25, 0.5, seed));
   const OverdrawSubject subject = testing::subject_of(parts);
@@ -321,10 +321,10 @@ TEST(OrderOverdraw, NothingToSeeCostsNothing) {
     expect_valid(subject, small_options(method, 3), made);
     EXPECT_EQ(made.run.training_overdraw, 1);
     EXPECT_EQ(made.run.lists, 0U);
-    const std::vector<std::uint32_t> ranks = triangle_ranks(triangle_sequence(made, 0));
-    const std::vector<OverdrawContender> one{
+    const std::vector<std::uint32_t> ranks = triangle_ranks(triangle_order(made, 0));
+    const std::vector<PosedDrawingMethod> one{
         {"one", [&](std::uint32_t, const Viewpoint&) { return std::span(ranks); }}};
-    OverdrawMeasurement measurement;
+    PosedOverdrawOptions measurement;
     measurement.viewpoints = 3;
     measurement.size = 16;
     const OverdrawQuality quality = measure_posed_overdraw(subject, one, measurement).front();
@@ -460,7 +460,7 @@ TEST(StaticOverdrawOrder, OuterPatchesFirst) {
   EXPECT_TRUE(testing::is_permutation_of_all(order));
   ASSERT_EQ(order.size(), 640U);
   for (std::size_t i = 0; i < 640; ++i) EXPECT_EQ(order[i] >= 320, i < 320) << i;
-  // From no side is anything shaded in vain.
+  // No side has wasted fragments.
   for (const OverdrawView& view : testing::random_views(subject, 5, 3))
     EXPECT_LT(testing::draw_view(subject, view, 64, triangle_ranks(order)).excess(), 0.01);
 }

@@ -1,9 +1,8 @@
 // Acyclic clustering: no kept edge is violated, every cell has a cluster, cycles are broken and counted.
-#include "transparency/cluster/acyclic.h"
-
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"
+#include "transparency/cluster/clustering.h"
 #include "transparency/cluster/edge_set.h"
 
 namespace pellucid {

@@ -1,9 +1,8 @@
 // Lower bounds against the best of all permutations.
-#include "transparency/cluster/bounds.h"
-
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"
+#include "transparency/cluster/clustering.h"
 
 namespace pellucid {
 namespace {

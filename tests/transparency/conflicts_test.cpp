@@ -1,9 +1,8 @@
 // Cells that cannot share an order, against all ways of sharing.
-#include "transparency/cluster/conflicts.h"
-
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"
+#include "transparency/cluster/edge_set.h"
 
 namespace pellucid {
 namespace {

@@ -1,13 +1,12 @@
 // Regions and switches by definition; joins that are bounded, split nothing, and do nothing when not asked
 // to.
-#include "transparency/cluster/contiguity.h"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <set>
 
 #include "order_helpers.h"
+#include "transparency/cluster/clustering.h"
 
 namespace pellucid {
 namespace {

@@ -1,11 +1,10 @@
 // Error against number of buffers: what is shown, and that it is what single runs give. PSNR as a target.
-#include "transparency/cluster/frontier.h"
-
 #include <gtest/gtest.h>
 
+#include "metric/validation.h"
 #include "order_helpers.h"
 #include "pellucid/metric.h"
-#include "transparency/cluster/validation.h"
+#include "transparency/cluster/error_target.h"
 
 namespace pellucid {
 namespace {
@@ -203,7 +202,7 @@ TEST(OrderError, AgreesWithTheRoomMetric) {
     validation.viewpoints = 12;
     validation.size = 200;
     validation.seed = 77;
-    validation.picture_alpha = alpha;
+    validation.image_alpha = alpha;
     const OrderError error =
         measure_order_error(mesh, set.sphere, partition, set.cell_orders, ranks, validation);
 

@@ -1,11 +1,10 @@
 // The broad phase against testing all pairs of bounds.
-#include "transparency/graph/pair_search.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "order_helpers.h"
+#include "transparency/graph/screen_pairs.h"
 
 namespace pellucid {
 namespace {

@@ -1,12 +1,11 @@
-// The narrow phase: SIMD against its scalar twin to the bit; the precise judge on pairs known by hand.
-#include "transparency/graph/pair_test.h"
-
+// The narrow phase: SIMD against the scalar version, bit by bit; the precise test on pairs known by hand.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
 #include <cstring>
 
 #include "order_helpers.h"
+#include "transparency/graph/screen_pairs.h"
 
 namespace pellucid {
 namespace {
@@ -52,7 +51,7 @@ class TargetsForTest {
   }
 };
 
-TEST(PairTest, EveryInstructionSetMatchesTheScalarTwinToTheBit) {
+TEST(PairTest, EveryInstructionSetMatchesTheScalarVersionBitByBit) {
   std::vector<Mesh> meshes;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) meshes.push_back(random_soup(40, 0.2 * double(seed), seed));
   meshes.push_back(testing::icosphere_mesh(1));

@@ -1,12 +1,11 @@
 // Orders carried from a simplified mesh to the full one, and their repair.
-#include "transparency/upsample/refine.h"
-
 #include <gtest/gtest.h>
 
+#include "metric/validation.h"
 #include "order_helpers.h"
 #include "sequencing/linear_order.h"
-#include "transparency/cluster/budget.h"
-#include "transparency/cluster/validation.h"
+#include "transparency/cluster/clustering.h"
+#include "transparency/upsample.h"
 
 namespace pellucid {
 namespace {
@@ -43,8 +42,9 @@ Carried nearly_right_orders(double thrown) {
 }
 
 double error_of(const Carried& c, const std::vector<std::vector<std::uint32_t>>& ranks) {
-  return measure_incorrect_pixels(c.mesh, c.sphere, c.partition, c.cluster_of, ranks,
-                                  held_out_viewpoints({1.5, 5}, false, 3, nullptr));
+  return measure_order_error(c.mesh, c.sphere, c.partition, c.cluster_of, ranks,
+                             held_out_viewpoints({1.5, 5}, false, 3, nullptr))
+      .ipr;
 }
 
 RefineOptions quick_refinement() {

@@ -51,7 +51,7 @@ Viewpoint random_viewpoint(const std::array<Vec3d, 3>& corners, Distances distan
   return {direction, 1 / random.uniform(1 / distances.to, 1 / distances.from)};
 }
 
-// The edges of a viewpoint, heavier than so much, found by projection.
+// The edges of a viewpoint, heavier than a limit, found by projection.
 EdgeMap edges_from(const Mesh& mesh, const std::vector<Vec3d>& positions, const Viewpoint& viewpoint,
                    double least) {
   const OcclusionScene scene{mesh, {{}, 1}, positions, false, 0, 0};

@@ -12,7 +12,7 @@
 
 #include "order_helpers.h"
 #include "pellucid/checkpoint.h"
-#include "transparency/cluster/budget.h"
+#include "transparency/cluster/clustering.h"
 
 namespace pellucid {
 namespace {
@@ -40,7 +40,7 @@ class RecordsFolder {
   std::string path_;
 };
 
-// Asks for a stop after so many questions, and counts stages.
+// Asks for a stop after a number of questions, and counts stages.
 class StopAfter final : public Progress {
  public:
   explicit StopAfter(std::uint64_t questions) : left_(static_cast<std::int64_t>(questions)) {}

@@ -8,7 +8,7 @@
 #include "pellucid/sequencing.h"
 #include "sequencing/cache_order.h"
 #include "sequencing/fifo_cache.h"
-#include "transparency/cluster/budget.h"
+#include "transparency/cluster/clustering.h"
 #include "transparency/order_problem.h"
 
 namespace pellucid {
@@ -271,7 +271,7 @@ TEST(Sequence, SlackBuysMissesAndIsNeverExceeded) {
   EXPECT_LT(misses.back(), 0.9 * static_cast<double>(misses.front()));
 }
 
-TEST(Sequence, TwinsStandTogetherWhereNothingBinds) {
+TEST(Sequence, BothFacingsStandTogetherWhereNoEdgeForbidsIt) {
   const Case c = torus_knot_case({3});
   const OrderConstraints free = unconstrained(c.drawn.size());
   for (const Method& method : kMethods) {

@@ -1,11 +1,10 @@
 // The light that reaches faces, against stacks of squares of which it is known.
-#include "transparency/graph/transmittance.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "order_helpers.h"
+#include "transparency/graph/viewpoint_edges.h"
 
 namespace pellucid {
 namespace {

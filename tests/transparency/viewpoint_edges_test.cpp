@@ -1,4 +1,4 @@
-// Edges of one viewpoint against an oracle that knows nothing of the projection map: it clips the pictures of
+// Edges of one viewpoint against an oracle that knows nothing of the projection map: it clips the images of
 // all pairs of triangles in double precision and measures depth along rays to the planes in space.
 #include "transparency/graph/viewpoint_edges.h"
 
@@ -59,7 +59,7 @@ class Oracle {
   }
 
   struct Overlap {
-    double area = 0;                  // of the picture, at the centre's depth
+    double area = 0;                  // of the image, at the centre's depth
     double a_ahead = 0, b_ahead = 0;  // how far one lies before the other at most, along a ray
     NodeId node_a = 0, node_b = 0;
   };
@@ -68,8 +68,8 @@ class Oracle {
     Overlap result;
     result.node_a = node_of(a, flipped(a));
     result.node_b = node_of(b, flipped(b));
-    std::vector<Point2> polygon = picture(a);
-    const std::vector<Point2> other = picture(b);
+    std::vector<Point2> polygon = image_of(a);
+    const std::vector<Point2> other = image_of(b);
     for (std::size_t i = 0; i < 3 && polygon.size() >= 3; ++i)
       polygon = clip(polygon, other[i], other[(i + 1) % 3]);
     if (polygon.size() < 3) return result;
@@ -95,8 +95,8 @@ class Oracle {
     return dot(normal(t), orthographic() ? viewpoint_.direction : eye() - corner(t, 0)) < 0;
   }
 
-  // Counter-clockwise picture in the plane through the sphere's centre.
-  [[nodiscard]] std::vector<Point2> picture(std::uint32_t t) const {
+  // Counter-clockwise image in the plane through the sphere's centre.
+  [[nodiscard]] std::vector<Point2> image_of(std::uint32_t t) const {
     std::vector<Point2> polygon;
     for (std::size_t k = 0; k < 3; ++k) {
       Vec3d p = corner(t, k);
@@ -110,11 +110,11 @@ class Oracle {
     return polygon;
   }
 
-  // Distance along the ray through a picture point to the plane of a triangle.
+  // Distance along the ray through a image point to the plane of a triangle.
   [[nodiscard]] double depth(std::uint32_t t, const Point2& p) const {
-    const Vec3d on_picture = right_ * p.x + up_ * p.y;
-    const Vec3d origin = orthographic() ? on_picture : eye();
-    const Vec3d ray = orthographic() ? -viewpoint_.direction : normalized(on_picture - eye());
+    const Vec3d on_image = right_ * p.x + up_ * p.y;
+    const Vec3d origin = orthographic() ? on_image : eye();
+    const Vec3d ray = orthographic() ? -viewpoint_.direction : normalized(on_image - eye());
     return dot(normal(t), corner(t, 0) - origin) / dot(normal(t), ray);
   }
 
@@ -352,7 +352,7 @@ TEST(RasterEdges, AreExactEdgesButForOutlines) {
   }
 }
 
-TEST(RasterEdges, AreasAreThoseOfThePicture) {
+TEST(RasterEdges, AreasAreThoseOfTheImage) {
   // Two squares, the nearer one in front of the middle: the exact areas within a row of pixels.
   Mesh mesh{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}}, {}, {{0, 1, 2}}};
   testing::append(mesh, {{{-0.2F, -0.6F, 0.5F}, {0.6F, -0.6F, 0.5F}, {0.6F, 0.2F, 0.5F}}, {}, {{0, 1, 2}}});

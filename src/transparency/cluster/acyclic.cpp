@@ -1,9 +1,7 @@
-// Clustering as in the paper: see acyclic.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT
-// 2018, section 3.2. Differs in: edges that two others of a cell imply are left out of its set (about half;
-// the orders are the same, and priorities count what is left); pairs once found infeasible are never tried
-// again while both clusters only grow.
-#include "transparency/cluster/acyclic.h"
-
+// Clustering as in the paper: see clustering.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers",
+// PACMCGIT 2018, section 3.2. Differs in: edges that two other edges of a cell imply are left out of its set
+// (about half of them; the orders are the same, and priorities count the edges that are left); pairs that
+// were found infeasible are not tried again while both clusters only grow.
 #include <algorithm>
 #include <map>
 #include <queue>
@@ -11,14 +9,14 @@
 
 #include "base/parallel.h"
 #include "sequencing/linear_order.h"
-#include "transparency/cluster/conflicts.h"
+#include "transparency/cluster/clustering.h"
 #include "transparency/cluster/edge_set.h"
 
 namespace pellucid {
 namespace {
 
-// Where the search stands between two rounds of relaxation: all that its further course depends on. Edges are
-// left out: they are the union of those of the cells.
+// The state of the search between two rounds of relaxation. Edges are left out because they are the union of
+// those of the cells.
 struct SearchState {
   std::vector<std::uint32_t> numbers;  // of the live clusters
   std::vector<std::vector<std::uint32_t>> cells, ranks;
@@ -98,7 +96,7 @@ class AcyclicClustering {
     }
   }
 
-  // Remove the edges that a good order violates: all cycles go, little weight with them.
+  // Removes the edges that a good order violates. This removes all cycles with little weight.
   static void break_cycles(const EdgeRows& cell, EdgeSet& edges, std::uint64_t& dropped,
                            double& dropped_weight) {
     std::vector<double> keys(cell.node_count(), 0.0);
@@ -131,7 +129,7 @@ class AcyclicClustering {
 
   // ---------------------------------------------------------------------------------------------- merging
 
-  // Smaller is better.
+  // Returns the priority of a merge. Smaller is better.
   [[nodiscard]] double priority(const EdgeSet& i, const EdgeSet& j) const {
     const auto common = static_cast<double>(intersection_size(i, j));
     const double together = static_cast<double>(i.size()) + static_cast<double>(j.size()) - common;
@@ -240,7 +238,7 @@ class AcyclicClustering {
 
   // ------------------------------------------------------------------------------------------- relaxation
 
-  // Rounds over all clusters in random order, until several rounds in a row remove none.
+  // Makes rounds over all clusters in random order, until several rounds in a row remove no cluster.
   void relax() {
     begin_stage(options_.progress, "relaxation", 0);
     while (fruitless_ < options_.fruitless_rounds && live_clusters().size() > 1) {
@@ -257,7 +255,7 @@ class AcyclicClustering {
     }
   }
 
-  // Push cells of the 1-ring out to the 2-ring, then the cells of S out to the 1-ring.
+  // Moves cells of the 1-ring out to the 2-ring, and then the cells of S out to the 1-ring.
   void relax_cluster(std::uint32_t s) {
     const std::set<std::uint32_t> ring1 = neighbors_of_cluster(s);
     std::set<std::uint32_t> inner = ring1;
@@ -270,7 +268,7 @@ class AcyclicClustering {
     move_cells(clusters_[s].cells, [&](std::uint32_t target) { return target != s; });
   }
 
-  // Move cells of the list to neighbouring clusters that `allowed` names, at random, until none can move.
+  // Moves cells of the list to neighbouring clusters that `allowed` accepts, at random, until none can move.
   template <class Allowed>
   void move_cells(std::vector<std::uint32_t> cells, const Allowed& allowed) {
     std::sort(cells.begin(), cells.end());
@@ -324,7 +322,7 @@ class AcyclicClustering {
     return found != refused_.end() && found->second == (losses == losses_.end() ? 0 : losses->second);
   }
 
-  // A cluster that lost cells keeps edges of theirs until somebody needs to know.
+  // A cluster that lost cells keeps their edges until its edges are needed.
   void refresh(std::uint32_t cluster) {
     if (stale_.erase(cluster) == 0) return;
     clusters_[cluster].edges = edges_of(clusters_[cluster].cells);

@@ -1,26 +1,29 @@
-// What orders cannot avoid: see bounds.h.
+// Lower bounds of the violated weight (see clustering.h) and of the number of orders (see edge_set.h).
 //
-// Every order violates an edge of every cycle. So if weights are taken away from the edges of a cycle, the
-// same from each, cycle after cycle while something is left, then what was taken away once per cycle adds up
-// to a lower bound: the local ratio form of Bar-Yehuda and Even, 1985, or a greedy fractional cycle packing.
-// Every cycle has an edge that the given order violates: only around these, cycles of two, three and four
-// nodes are looked for, heaviest edge first.
-#include "transparency/cluster/bounds.h"
-
+// Every order violates an edge of every cycle. If the same weight is taken away from each edge of a cycle,
+// and then of another cycle, as long as weights are left, the sum of the weights taken away once per cycle is
+// a lower bound. This is the local ratio method of Bar-Yehuda and Even, 1985, or a greedy fractional cycle
+// packing. Every cycle has an edge that the given order violates. So cycles of two, three and four nodes are
+// searched for around these edges only, heaviest edge first.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <vector>
 
 #include "base/parallel.h"
+#include "transparency/cluster/clustering.h"
 
 namespace pellucid {
+
+// ------------------------------------------------------------------------------------------- violated weight
+
 namespace {
 
-// The lightest violated edges, this share of the violated weight together, are not looked at: most of the
-// edges, hardly any bound.
+// The lightest violated edges with this share of the violated weight in total are not used. They are most of
+// the edges and add hardly anything to the bound.
 constexpr double kNegligible = 0.1;
-// Cycles of four are looked for until this many edges have been followed for each edge that there is: dense
-// graphs have more paths of two steps than one has time for.
+// The search for cycles of four stops when this many edges have been followed for each edge of the graph,
+// because dense graphs have too many paths of two steps.
 constexpr std::uint64_t kStepsPerEdge = 8;
 
 class CyclePacking {
@@ -63,7 +66,7 @@ class CyclePacking {
     violated_.resize(count);
   }
 
-  // Edges into the front nodes of violated ones.
+  // Collects the edges into the front nodes of violated edges.
   void collect_incoming() {
     std::vector<std::uint8_t> wanted(edges_.node_count(), 0);
     for (const Edge& edge : violated_) wanted[edge.front] = 1;
@@ -75,7 +78,7 @@ class CyclePacking {
     }
   }
 
-  // Cycles that an edge closes with paths of the order, between the ranks of its ends.
+  // Packs the cycles that an edge closes with paths of the order between the ranks of its ends.
   void pack_around(const Edge& closing) {
     const NodeId last = closing.front;
     const NodeId first = edges_.backs[closing.index];
@@ -100,8 +103,8 @@ class CyclePacking {
     return ranks_[first] < ranks_[node] && ranks_[node] < ranks_[last];
   }
 
-  // visit(back, edge) for what is left of the edges from `node` to nodes ranked between, while something is
-  // left of the closing edge.
+  // Calls visit(back, edge) for the edges from `node` to nodes ranked between the two that have weight left,
+  // as long as the closing edge has weight left.
   template <class Visit>
   void for_each_step(NodeId node, NodeId first, NodeId last, const Edge& closing, const Visit& visit) {
     for (std::uint32_t i = edges_.offsets[node]; i < edges_.offsets[node + 1]; ++i) {
@@ -143,6 +146,95 @@ double unavoidable_in_cells(const OcclusionGraph& graph, const Clustering& clust
   double sum = 0;
   for (const double bound : bounds) sum += bound;
   return sum;
+}
+
+// ------------------------------------------------------------------------------------------ number of orders
+
+namespace {
+
+using BitSet = std::vector<std::uint64_t>;
+
+void set_bit(BitSet& set, std::size_t number) {
+  set[number / 64] |= std::uint64_t{1} << (number % 64);
+}
+
+bool intersect(const BitSet& a, const BitSet& b) {
+  for (std::size_t word = 0; word < a.size(); ++word) {
+    if ((a[word] & b[word]) != 0) return true;
+  }
+  return false;
+}
+
+// Two bits for each pair of opposite edges: whether a cell has the one, and whether it has the other.
+struct Directions {
+  BitSet forward, backward;
+};
+
+std::vector<Directions> directions_of(const EdgeTable& table, std::span<const EdgeSet> cells) {
+  // The first edge of every pair of opposite edges, by id.
+  std::vector<std::uint32_t> pairs;
+  for (std::uint32_t id = 0; id < table.backs.size(); ++id) {
+    if (table.reverse[id] != kNoEdge && id < table.reverse[id]) pairs.push_back(id);
+  }
+  const std::size_t words = (pairs.size() + 63) / 64;
+  std::vector<Directions> directions(cells.size());
+  parallel_loop(std::size_t{0}, cells.size(), [&](std::size_t cell) {
+    directions[cell] = {BitSet(words, 0), BitSet(words, 0)};
+    for (const std::uint32_t id : cells[cell].ids) {
+      const std::uint32_t reverse = table.reverse[id];
+      if (reverse == kNoEdge) continue;
+      const auto found = std::lower_bound(pairs.begin(), pairs.end(), std::min(id, reverse));
+      set_bit(id < reverse ? directions[cell].forward : directions[cell].backward,
+              static_cast<std::size_t>(found - pairs.begin()));
+    }
+  });
+  return directions;
+}
+
+// Grows a clique from `first`. Of the cells that contradict all chosen ones, the next is the one that leaves
+// the most other cells possible.
+std::vector<std::uint32_t> greedy_clique(const std::vector<BitSet>& contradicting, std::uint32_t first) {
+  std::vector<std::uint32_t> clique{first};
+  BitSet possible = contradicting[first];
+  for (;;) {
+    int most = -1;
+    std::uint32_t best = 0;
+    for (std::uint32_t cell = 0; cell < contradicting.size(); ++cell) {
+      if ((possible[cell / 64] >> (cell % 64) & 1U) == 0) continue;
+      int left = 0;
+      for (std::size_t word = 0; word < possible.size(); ++word)
+        left += std::popcount(possible[word] & contradicting[cell][word]);
+      if (left > most) {
+        most = left;
+        best = cell;
+      }
+    }
+    if (most < 0) return clique;
+    clique.push_back(best);
+    for (std::size_t word = 0; word < possible.size(); ++word) possible[word] &= contradicting[best][word];
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> contradicting_cells(const EdgeTable& table, std::span<const EdgeSet> cells) {
+  const std::vector<Directions> directions = directions_of(table, cells);
+  std::vector<BitSet> contradicting(cells.size(), BitSet((cells.size() + 63) / 64, 0));
+  parallel_loop(std::size_t{0}, cells.size(), [&](std::size_t cell) {
+    for (std::size_t other = 0; other < cells.size(); ++other) {
+      if (intersect(directions[cell].forward, directions[other].backward) ||
+          intersect(directions[cell].backward, directions[other].forward)) {
+        set_bit(contradicting[cell], other);
+      }
+    }
+  });
+  std::vector<std::vector<std::uint32_t>> cliques(cells.size());
+  parallel_loop(std::size_t{0}, cells.size(), [&](std::size_t cell) {
+    cliques[cell] = greedy_clique(contradicting, static_cast<std::uint32_t>(cell));
+  });
+  const auto largest = std::max_element(cliques.begin(), cliques.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return largest == cliques.end() ? std::vector<std::uint32_t>{} : *largest;
 }
 
 }  // namespace pellucid

@@ -1,16 +1,16 @@
-// Contiguous regions: see contiguity.h. Based on: Besag, "On the Statistical Analysis of Dirty Pictures",
-// JRSS B 48(3), 1986 (iterated conditional modes for the Potts model). Differs in: a bound on every cell's
-// cost instead of a price per border, and moves of whole regions.
-#include "transparency/cluster/contiguity.h"
-
+// Contiguous regions of cells with the same order: see clustering.h. Based on: Besag, "On the Statistical
+// Analysis of Dirty Pictures", JRSS B 48(3), 1986 (iterated conditional modes for the Potts model). Differs
+// in: a bound on every cell's cost instead of a price per border, and moves of whole regions.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "transparency/cluster/clustering.h"
+
 namespace pellucid {
 namespace {
 
-// Great circles and steps on each: the mean is good to some per cent.
+// Great circles, and steps on each of them. With these the mean is accurate to some per cent.
 constexpr int kCircles = 64;
 constexpr int kSteps = 720;
 
@@ -27,7 +27,7 @@ class Joiner {
     }
   }
 
-  // Every move makes fewer neighbours differ: this ends.
+  // Every move makes fewer neighbours differ, so this ends.
   void run() {
     for (bool changed = true; changed;) {
       changed = false;
@@ -61,7 +61,7 @@ class Joiner {
     cluster_of_[cell] = order;
   }
 
-  // To the order that most neighbours have, the cheapest of those.
+  // Moves a cell to the order that most of its neighbours have, and to the cheapest of several such orders.
   bool move_cell(std::uint32_t cell) {
     const std::uint32_t own = cluster_of_[cell];
     std::uint32_t best = own;
@@ -80,7 +80,7 @@ class Joiner {
     return true;
   }
 
-  // Do the neighbours of the same order stay connected without the cell?
+  // Returns whether the neighbours of the same order stay connected without the cell.
   [[nodiscard]] bool is_expendable(std::uint32_t cell) const {
     const std::uint32_t order = cluster_of_[cell];
     if (neighbors_with(cell, order) < 2) return true;
@@ -96,7 +96,8 @@ class Joiner {
     return true;
   }
 
-  // A region joins a neighbouring one whose order all its cells tolerate: the cheapest.
+  // Joins a region to a neighbouring one whose order all its cells tolerate. Of several, the cheapest is
+  // chosen.
   bool move_regions() {
     const Regions regions = find_regions(partition_, cluster_of_);
     std::vector<std::vector<std::uint32_t>> cells(regions.count);

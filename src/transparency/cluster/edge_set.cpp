@@ -14,14 +14,15 @@ std::uint32_t node_count_of(const EdgeTable& table) {
   return static_cast<std::uint32_t>(table.row_ids.size() - 1);
 }
 
-// Depth-first search over the union of two edge sets, kept to nodes of rank < end. Stops at the first cycle.
+// A depth-first search over the union of two edge sets, among nodes of rank < end. It stops at the first
+// cycle.
 class CycleSearch {
  public:
   CycleSearch(const EdgeTable& table, const EdgeSet& a, const EdgeSet& b,
               const std::vector<std::uint32_t>& ranks, std::uint32_t end)
       : table_(table), a_(a), b_(b), ranks_(ranks), end_(end), state_(ranks.size(), State::unseen) {}
 
-  // Visit all that `root` reaches; false when a cycle was met.
+  // Visits all nodes that `root` reaches. Returns false if a cycle is found.
   bool visit(NodeId root) {
     if (state_[root] != State::unseen) return true;
     enter(root);
@@ -46,7 +47,7 @@ class CycleSearch {
   }
 
   [[nodiscard]] bool seen(NodeId node) const { return state_[node] == State::done; }
-  // Nodes in the order in which they were left: every node after all that it reaches.
+  // Returns the nodes in the order in which they were finished: every node after all nodes that it reaches.
   [[nodiscard]] const std::vector<NodeId>& finished() const { return finished_; }
 
  private:
@@ -224,8 +225,8 @@ bool topological_ranks(const EdgeTable& table, const EdgeSet& edges, std::vector
 
 bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& added,
                   std::vector<std::uint32_t>& ranks) {
-  // The window from the least rank that must move back to the greatest that must move forward. A cycle needs
-  // an edge that disagrees, and stays inside.
+  // Find the window from the least rank that must move back to the greatest that must move forward. A cycle
+  // contains an edge that disagrees, and stays inside the window.
   std::vector<NodeId> heads;
   std::uint32_t begin = node_count_of(table);
   std::uint32_t end = 0;
@@ -235,7 +236,7 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
       const std::uint32_t id = added.ids[i];
       const NodeId back = table.backs[id];
       if (ranks[back] > rank) continue;
-      // Most conflicts are as short as can be: the reverse edge.
+      // Most conflicts are cycles of two: the reverse edge.
       if (table.reverse[id] != kNoEdge &&
           std::binary_search(base.ids.begin() + base.rows[back], base.ids.begin() + base.rows[back + 1],
                              table.reverse[id])) {
@@ -252,7 +253,8 @@ bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& ad
   for (const NodeId head : heads) {
     if (!search.visit(head)) return false;
   }
-  // What the heads of disagreeing edges reach goes behind the rest of the window, both parts in order.
+  // The nodes that the heads of disagreeing edges reach go behind the rest of the window. Both parts keep
+  // their order.
   const std::vector<NodeId> sequence = inverse(ranks);
   std::uint32_t rank = begin;
   for (std::uint32_t i = begin; i < end; ++i) {

@@ -1,4 +1,4 @@
-// Unweighted edge sets of view cells and clusters of them, over one table of all distinct edges.
+// Unweighted edge sets of view cells and of clusters of them, over one table of all distinct edges.
 #pragma once
 
 #include <cstdint>
@@ -25,21 +25,28 @@ struct EdgeSet {
   [[nodiscard]] std::uint64_t size() const { return ids.size(); }
 };
 EdgeSet edges_of_cell(const EdgeTable& table, const CompactRows& cell);
-// Without the edges that a path of two others implies: fewer edges, the same orders. `edges` must be acyclic.
-// O(sum of the out-degrees of all followers).
+// Returns `edges` without those that a path of two others implies. The result has fewer edges and allows the
+// same orders. `edges` must be acyclic. O(sum of the out-degrees of all followers).
 EdgeSet without_shortcuts(const EdgeTable& table, const EdgeSet& edges);
 EdgeSet unite(const EdgeSet& a, const EdgeSet& b);
 EdgeSet unite_all(const EdgeTable& table, std::span<const EdgeSet* const> sets);
 std::uint64_t intersection_size(const EdgeSet& a, const EdgeSet& b);
 
-// A topological order as ranks; false when the edges have a cycle. O(nodes + edges).
+// Finds a topological order, as ranks. Returns false when the edges have a cycle. O(nodes + edges).
 bool topological_ranks(const EdgeTable& table, const EdgeSet& edges, std::vector<std::uint32_t>& ranks);
 
-// `ranks` is a topological order of `base`. Make it one of base U added; false (and ranks unchanged) when
-// that has a cycle. Only the window of ranks between the edges of `added` that disagree can hold a cycle (as
-// in Pearce and Kelly, "A dynamic topological sort algorithm for directed acyclic graphs", JEA 2006, here for
-// many edges at once).
+// Extends `ranks`, a topological order of `base`, to one of the union of `base` and `added`. Returns false,
+// and leaves `ranks` unchanged, when the union has a cycle. A cycle can lie only in the window of ranks
+// between the edges of `added` that disagree (as in Pearce and Kelly, "A dynamic topological sort algorithm
+// for directed acyclic graphs", JEA 2006, here for many edges at once).
 bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& added,
                   std::vector<std::uint32_t>& ranks);
+
+// Returns cells that contradict each other pairwise: two cells contradict each other when one has an edge
+// whose reverse the other has. Orders without a violation are needed for each of them, so that their number
+// is a lower bound of the number of acyclic clusters. They are a greedy clique. `cells`: the kept edges of
+// every cell, each set acyclic; edges that others imply may be left out, which can only lower the bound.
+// O(edges + cells^2 * pairs / 64).
+std::vector<std::uint32_t> contradicting_cells(const EdgeTable& table, std::span<const EdgeSet> cells);
 
 }  // namespace pellucid

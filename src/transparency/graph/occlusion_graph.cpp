@@ -15,18 +15,17 @@
 namespace pellucid {
 namespace {
 
-// Samples are shared between neighbouring cells. Cells are visited in batches of neighbours (their numbering
-// follows the subdivision); a sample's edges are found when the first cell needs them and freed after the
-// last.
+// Neighbouring cells share samples. Cells are processed in batches of neighbours (their numbering follows the
+// subdivision). The edges of a sample are found when the first cell needs them, and freed after the last.
 constexpr std::uint32_t kCellsPerBatch = 16;
-// Finding what no sample of a cell shows takes about as long as so many viewpoints.
+// Finding the edges that no sample of a cell shows takes about as long as this many viewpoints.
 constexpr std::uint32_t kViewsPerRegion = 10;
 
-// What is recorded of a batch of cells.
+// The record of a batch of cells.
 struct BatchEdges {
   std::span<CompactRows> cells;
   std::span<double> weights, pruned;  // per cell
-  // Of the viewpoints that no batch before this one needed.
+  // Counts over the viewpoints that no earlier batch needed.
   std::uint64_t viewpoint_edges = 0, intersecting = 0;
 };
 template <class Archive, RecordOf<BatchEdges> T>
@@ -106,7 +105,7 @@ class GraphBuilder {
     return sample * views_per_sample_ + nth;
   }
 
-  // What some cells look from, each once.
+  // Returns the views of some cells, each once.
   [[nodiscard]] std::vector<std::size_t> views_of(std::uint32_t begin, std::uint32_t end) const {
     std::vector<std::size_t> views;
     for (std::uint32_t cell = begin; cell < end; ++cell) {
@@ -127,7 +126,7 @@ class GraphBuilder {
       if (counted_[views[i]] == 0) advance_stage(options_.progress, 1);
     });
     for (const std::size_t view : views) {
-      // A restored batch has counted the views that it shares with this one.
+      // A restored batch has already counted the views that it shares with this one.
       if (counted_[view] != 0) continue;
       batch.viewpoint_edges += views_[view].backs.size();
       batch.intersecting += views_[view].intersecting;
@@ -143,7 +142,7 @@ class GraphBuilder {
     return false;
   }
 
-  // Returns how many of them had not been counted before.
+  // Marks views as counted. Returns the number of views that had not been counted before.
   std::uint64_t count_views(const std::vector<std::size_t>& views) {
     std::uint64_t fresh = 0;
     for (const std::size_t view : views) fresh += counted_[view] == 0 ? 1U : 0U;
@@ -152,7 +151,8 @@ class GraphBuilder {
   }
 
   void find_view(std::size_t view) {
-    // With one view a sample, view numbers are sample numbers: neighbours take turns with the distances.
+    // With one view per sample, view numbers are sample numbers, and neighbouring samples alternate between
+    // distances.
     const Viewpoint viewpoint{partition_.samples[view / views_per_sample_],
                               options_.distances[view % options_.distances.size()]};
     OcclusionScratch& scratch = scratch_.local();
@@ -260,7 +260,7 @@ OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sph
 }
 
 EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells, float least) {
-  // Blocks of rows in parallel, then one after the other.
+  // Sum blocks of rows in parallel, then append them in order.
   constexpr std::uint32_t kRowsPerBlock = 1024;
   const std::uint32_t blocks = (graph.node_count + kRowsPerBlock - 1) / kRowsPerBlock;
   std::vector<EdgeRows> parts(blocks);

@@ -1,4 +1,5 @@
-// The occlusion graph of every view cell: the union of the edges seen from its samples, weighted.
+// Builds the occlusion graph of every view cell: the union of the edges that are seen from its samples, with
+// their mean weights. In: a mesh and a view partition. Out: one set of edge rows per cell.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@ namespace pellucid {
 struct OcclusionGraph {
   std::uint32_t node_count = 0;    // 2 * triangles
   std::vector<CompactRows> cells;  // one per view cell
-  bool spilled = false;            // some of them are in a file, for want of memory
+  bool spilled = false;            // some of them are in a file to save memory
   std::uint64_t viewpoint_count = 0;
   std::uint64_t viewpoint_edges = 0;  // summed over viewpoints
   std::uint64_t intersecting = 0;     // intersecting pairs, summed over viewpoints
@@ -26,7 +27,8 @@ struct OcclusionGraph {
 
 struct GraphOptions {
   std::vector<double> distances;  // bounding radii
-  // Every sample at every distance; else the samples of a cell take turns, which finds nearly the same edges.
+  // true: every sample is seen from every distance. false: the samples of a cell alternate between the
+  // distances, which finds nearly the same edges.
   bool all_distances = false;
   double tolerance = 0;
   // Edges lighter than this (mean square radii) are left out.
@@ -35,24 +37,25 @@ struct GraphOptions {
   std::uint32_t raster_size = 512;
   double alpha = 0;  // OrderOptions::alpha
   bool front_only = false;
-  // Cells beyond so many bytes go to a temporary file. 0: all stay in memory.
+  // The memory budget of the cells in bytes. Cells that do not fit go to a temporary file. 0: all stay in
+  // memory.
   std::uint64_t memory = 0;
-  // T[n], R[n]: the distances between which all viewpoints of a cell count, bounding radii. Their edges have
-  // the weights that the samples show, but at least kUnseenWeight: none is left out for being light.
+  // T[n], R[n]: all viewpoints of a cell between these distances count, bounding radii. Edges have the
+  // weights that the samples show, but at least kUnseenWeight. No edge is left out because it is light.
   double solid_from = 0, solid_to = 0;
   Progress* progress = nullptr;
-  RunRecords records{};  // of every batch of cells
+  RunRecords records{};  // keeps every batch of cells
 };
-// Square radii, mean over a cell: as light as the lightest edges that are kept of S[n,m].
+// Square radii, mean over a cell. This is the weight of the lightest edges that are kept of S[n,m].
 constexpr float kUnseenWeight = 3e-7F;
 
-// O(viewpoints * (triangles + pairs)); memory: the cells' edges (4 bytes each) and the edges of the
+// O(viewpoints * (triangles + pairs)); memory: the edges of all cells (4 bytes each), and the edges of the
 // viewpoints of a few cells at a time.
 OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere,
                                      const ViewPartition& partition, const GraphOptions& options);
 
-// Adds up rows of many graphs without sorting keys: a dense accumulator per row (Gustavson's sparse
-// accumulator), with two levels of marks to find what was touched, in order.
+// Sums rows of many graphs without sorting: a dense accumulator per row (Gustavson's sparse accumulator),
+// with two levels of marks that find the used entries in order.
 class RowAccumulator {
  public:
   explicit RowAccumulator(std::uint32_t node_count)
@@ -66,8 +69,8 @@ class RowAccumulator {
     marks_[back / 64] |= std::uint64_t{1} << (back % 64);
     marked_words_[back / 4096] |= std::uint64_t{1} << (back / 64 % 64);
   }
-  // Append the row to `rows`, sorted by back node, without entries below `least`, and clear. Returns the
-  // weight left out.
+  // Appends the row to `rows`, sorted by back node and without entries below `least`, and clears it. Returns
+  // the weight that was left out.
   double flush(EdgeRows& rows, float least);
 
  private:
@@ -76,7 +79,7 @@ class RowAccumulator {
   std::vector<std::uint64_t> marked_words_;  // one bit a word of marks_
 };
 
-// Sum of the graphs of some cells, without edges that weigh less than `least` in total.
+// Returns the sum of the graphs of some cells, without edges that weigh less than `least` in total.
 EdgeRows sum_cells(const OcclusionGraph& graph, std::span<const std::uint32_t> cells, float least = 0);
 
 }  // namespace pellucid

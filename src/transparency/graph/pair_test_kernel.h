@@ -1,9 +1,10 @@
-// The arithmetic of the narrow phase, written once over a "lanes" type L: a Highway vector, or one float for
-// the tests. Only + - * / sqrt and comparisons, no fused multiply-add: every target computes the same bits.
+// The arithmetic of the narrow phase, written once for a "lanes" type L: a Highway vector, or one float for
+// the tests. It uses only + - * / sqrt and comparisons, and no fused multiply-add, so that every target
+// computes the same bits.
 //
-// Included inside a namespace, once for each instruction set, so that the compiler builds it with that set:
-// there is no include guard on purpose. L provides the types V (values) and M (masks) and the operations used
-// below.
+// pair_test.cpp includes it inside a namespace once for each instruction set, so that the compiler builds it
+// for that set. Therefore it has no include guard. L provides the types V (values) and M (masks) and the
+// operations used below.
 
 namespace pair_test {
 
@@ -23,7 +24,7 @@ struct EdgeFunctions {
   V f[3][3];
 };
 
-// What is known of the overlap so far.
+// The overlap as far as it has been computed.
 template <class V>
 struct Overlap {
   V doubled_area, lowest, highest;
@@ -47,7 +48,8 @@ EdgeFunctions<typename L::V> edge_functions(const Corners<typename L::V>& edges,
   return e;
 }
 
-// Lanes in which some edge of `edges` has the other triangle outside, or inside by less than `tolerance`.
+// Returns the lanes in which the other triangle is outside some edge of `edges`, or inside by less than
+// `tolerance`.
 template <class L>
 typename L::M apart(const Corners<typename L::V>& edges, const EdgeFunctions<typename L::V>& e,
                     typename L::V tolerance) {
@@ -64,9 +66,9 @@ typename L::M apart(const Corners<typename L::V>& edges, const EdgeFunctions<typ
   return result;
 }
 
-// Add the pieces of `own`'s edges that lie inside the other triangle, whose edge functions at own's corners
-// are `e`. An edge that runs along an edge of the other is a boundary of the overlap once, not twice:
-// `closed` says whether this triangle contributes it.
+// Adds the pieces of the edges of `own` that lie inside the other triangle. `e`: the edge functions of the
+// other triangle at the corners of `own`. Where two edges coincide, only the triangle with `closed` adds the
+// piece, so that it counts once.
 template <class L, bool closed>
 void add_boundary(const Corners<typename L::V>& own, const EdgeFunctions<typename L::V>& e,
                   const Plane<typename L::V>& difference, Overlap<typename L::V>& overlap) {

@@ -5,16 +5,219 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace pellucid {
+
+// ---------------------------------------------------------------------------------- the viewpoints of a cell
+
 namespace {
 
-// A face whose picture is smaller than this (square radii) is edge-on. Near cameras see faces up to 27 times
-// as large: still no more than the least weight that edges of samples must have.
-constexpr double kEdgeOnPicture = 1e-8;
+constexpr double kSlack = 1e-11;  // more than rounding can move a plane, so that cuts never remove too much
 
-// A triangle narrowed by `inset` on all sides: scaled about the centre of its incircle. False: nothing is
-// left.
+// Returns the point at `share` of the way from p to q.
+Eye between(const Eye& p, const Eye& q, double share) {
+  return {p.at * (1 - share) + q.at * share, p.w * (1 - share) + q.w * share};
+}
+
+}  // namespace
+
+void ViewPolytope::copy(const ViewPolytope& other) {
+  std::copy_n(other.vertices_.begin(), other.count_, vertices_.begin());
+  count_ = other.count_;
+  plane_count_ = other.plane_count_;
+}
+
+void ViewPolytope::add(const Eye& eye, std::uint64_t planes) {
+  vertices_[count_++] = {eye, planes};
+}
+
+void ViewPolytope::cut(const HalfSpace& half_space) {
+  std::array<double, kMostVertices> values;  // not set beyond count_
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    values[i] = half_space.value(vertices_[i].eye) + kSlack;
+    if (values[i] >= 0) ++inside;
+  }
+  if (inside == count_) return;
+  if (inside == 0) {
+    count_ = 0;
+    return;
+  }
+  if (plane_count_ == 64) return;
+
+  // Append new vertices where edges cross the plane.
+  const std::uint64_t plane = std::uint64_t{1} << plane_count_;
+  std::size_t end = count_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (values[i] < 0) continue;
+    for (std::size_t j = 0; j < count_; ++j) {
+      if (values[j] >= 0) continue;
+      const std::uint64_t common = vertices_[i].planes & vertices_[j].planes;
+      if (std::popcount(common) < 2) continue;
+      if (end == kMostVertices) return;
+      const double share = values[i] / (values[i] - values[j]);
+      vertices_[end++] = {between(vertices_[i].eye, vertices_[j].eye, share), common | plane};
+    }
+  }
+  ++plane_count_;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < end; ++i) {
+    if (i >= count_ || values[i] >= 0) vertices_[kept++] = vertices_[i];
+  }
+  count_ = kept;
+}
+
+bool ViewSolid::holds_part_of(const ViewPolytope& polytope) const {
+  if (std::isinf(from)) return !polytope.empty();
+  constexpr double kRounding = 1e-12;
+  const double least = from * from * (1 - kRounding);
+  return std::ranges::any_of(polytope.vertices(), [&](const ViewPolytope::Vertex& v) {
+    return dot(v.eye.at, v.eye.at) >= least * v.eye.w * v.eye.w;
+  });
+}
+
+ViewSolid make_view_solid(const std::array<Vec3d, 3>& corners, double from, double to) {
+  ViewSolid solid;
+  solid.axis = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+  solid.from = from;
+  // Corner k lies in the cone's planes k and k + 1; plane 3 is the near one, 4 the far one.
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint64_t sides = std::uint64_t{1} << k | std::uint64_t{1} << (k + 1) % 3;
+    const auto put = [&](double distance, std::uint64_t planes) {
+      const Eye eye = std::isinf(distance)
+                          ? Eye{corners[k], 0}
+                          : Eye{corners[k] * (distance / (1 + distance)), 1 / (1 + distance)};
+      solid.frustum.add(eye, planes);
+    };
+    put(from, sides | 8U);
+    put(to / dot(corners[k], solid.axis), sides | 16U);
+  }
+  solid.frustum.set_plane_count(5);
+  return solid;
+}
+
+// ------------------------------------------------------------ the viewpoints from which a face hides another
+
+namespace {
+
+// Parts of a face that are nearer to the plane of the other than this lie in it, because positions are
+// rounded to 6e-8.
+constexpr double kApart = 1e-7;
+// If an edge and a point are nearer to each other than this, the plane through them is too uncertain for a
+// cut.
+constexpr double kCloseToEdge = 1e-7;
+// A corner that is at most this far on the wrong side touches a separating plane.
+constexpr double kOnPlane = 1e-10;
+
+// The part of a triangle on one side of a plane.
+struct FacePart {
+  std::array<Vec3d, 4> points;
+  std::size_t count = 0;
+  void push(const Vec3d& p) { points[count++] = p; }
+};
+
+// Returns the part where the signed distance is positive. It is empty if no distance is above kApart.
+FacePart part_in_front(const std::array<Vec3d, 3>& corners, const std::array<double, 3>& distances) {
+  FacePart part;
+  if (std::ranges::max(distances) <= kApart) return part;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    if (distances[i] >= 0) part.push(corners[i]);
+    if ((distances[i] < 0) != (distances[j] < 0)) {
+      part.push(corners[i] + (corners[j] - corners[i]) * (distances[i] / (distances[i] - distances[j])));
+    }
+  }
+  return part;
+}
+
+// Returns the signed distances of the corners of a face before (sign = 1) or behind (-1) a plane.
+std::array<double, 3> distances_from(const HalfSpace& plane, const std::array<Vec3d, 3>& corners,
+                                     double sign) {
+  std::array<double, 3> distances{};
+  for (std::size_t i = 0; i < 3; ++i) distances[i] = sign * plane.value({corners[i], 1});
+  return distances;
+}
+
+struct Extent {
+  double low, high;
+};
+Extent extent_along(const FacePart& part, const Vec3d& normal, const Vec3d& origin) {
+  Extent extent{HUGE_VAL, -HUGE_VAL};
+  for (std::size_t i = 0; i < part.count; ++i) {
+    const double d = dot(normal, part.points[i] - origin);
+    extent = {std::min(extent.low, d), std::max(extent.high, d)};
+  }
+  return extent;
+}
+
+// Returns the half-space of the plane through p, q and r, if the plane separates the parts and `front` is
+// inside.
+std::optional<HalfSpace> separating(const FacePart& front, const FacePart& back, const Vec3d& p,
+                                    const Vec3d& q, const Vec3d& r) {
+  const Vec3d edge = q - p;
+  Vec3d normal = cross(edge, r - p);
+  const double size = length(normal);
+  if (size <= kCloseToEdge * length(edge)) return std::nullopt;
+  normal = normal / size;
+  const Extent a = extent_along(front, normal, p);
+  const Extent b = extent_along(back, normal, p);
+  const bool upright = a.low >= -kOnPlane && b.high <= kOnPlane;
+  const bool reversed = a.high <= kOnPlane && b.low >= -kOnPlane;
+  if (upright == reversed) return std::nullopt;
+  if (reversed) normal = -normal;
+  return HalfSpace{normal, -dot(normal, p)};
+}
+
+// Cuts by every separating plane through an edge of one part and a corner of the other.
+void cut_by_tangents(ViewPolytope& viewpoints, const FacePart& front, const FacePart& back,
+                     bool edges_of_front) {
+  const FacePart& with_edge = edges_of_front ? front : back;
+  const FacePart& with_corner = edges_of_front ? back : front;
+  for (std::size_t i = 0; i < with_edge.count; ++i) {
+    const Vec3d& p = with_edge.points[i];
+    const Vec3d& q = with_edge.points[(i + 1) % with_edge.count];
+    for (std::size_t k = 0; k < with_corner.count; ++k) {
+      const auto half_space = separating(front, back, p, q, with_corner.points[k]);
+      if (!half_space) continue;
+      viewpoints.cut(*half_space);
+      if (viewpoints.empty()) return;
+    }
+  }
+}
+
+// Returns the half-space in front of a face, tilted by its edge-on angle.
+HalfSpace clearly_in_front(const SolidFace& face, const ViewSolid& solid) {
+  return {face.front.normal - solid.axis * face.edge_on, face.front.offset};
+}
+
+}  // namespace
+
+void find_hiding_viewpoints(const ViewSolid& solid, const SolidFace& front, const SolidFace& back,
+                            ViewPolytope& viewpoints) {
+  viewpoints.clear();
+  const FacePart hiding = part_in_front(front.corners, distances_from(back.front, front.corners, 1));
+  if (hiding.count == 0) return;
+  const FacePart hidden = part_in_front(back.corners, distances_from(front.front, back.corners, -1));
+  if (hidden.count == 0) return;
+
+  viewpoints.copy(solid.frustum);
+  viewpoints.cut(clearly_in_front(front, solid));
+  viewpoints.cut(clearly_in_front(back, solid));
+  if (!viewpoints.empty()) cut_by_tangents(viewpoints, hiding, hidden, true);
+  if (!viewpoints.empty()) cut_by_tangents(viewpoints, hiding, hidden, false);
+}
+
+// --------------------------------------------------------------------------------------- the edges of a cell
+
+namespace {
+
+// A face whose image is smaller than this (square radii) is edge-on. Near cameras see faces up to 27 times as
+// large, which is still no more than the least weight of the edges of samples.
+constexpr double kEdgeOnImageArea = 1e-8;
+
+// Narrows a triangle by `inset` on all sides: scales it about the centre of its incircle. Returns false if
+// nothing is left.
 bool narrow(std::array<Vec3d, 3>& corners, double inset) {
   const double a = length(corners[2] - corners[1]);
   const double b = length(corners[0] - corners[2]);
@@ -29,8 +232,8 @@ bool narrow(std::array<Vec3d, 3>& corners, double inset) {
 }
 
 // Bounds of all triangles in a frame of the cell, and of the directions from them to its viewpoints, as
-// slopes against the cell's axis: what decides for most pairs that no viewpoint sees one before the other.
-// Structure of arrays, single precision, rounded outward.
+// slopes against the axis of the cell. They show for most pairs that no viewpoint sees one triangle before
+// the other. Structure of arrays, single precision, rounded outward.
 class RegionBounds {
  public:
   RegionBounds(const ViewSolid& solid, std::size_t triangle_count) : solid_(solid) {
@@ -59,7 +262,7 @@ class RegionBounds {
     high_height_[triangle] = high;
   }
 
-  // No picture: in front of nothing, and behind nothing.
+  // Stores a triangle without an image: it is in front of nothing and behind nothing.
   void put_nothing(std::size_t triangle) {
     for (std::size_t k = 0; k < kAxes; ++k) {
       low_[k][triangle] = kFar;
@@ -69,13 +272,13 @@ class RegionBounds {
     high_height_[triangle] = -kFar;
   }
 
-  // maybe[t] = 0 where no viewpoint sees `front` before triangle t.
+  // Sets maybe[t] to 0 if no viewpoint sees `front` before triangle t.
   void find_candidates(std::size_t front, const std::array<Vec3d, 3>& corners,
                        std::vector<std::uint32_t>& maybe) const {
     const Front f = front_of(front, corners);
     const std::size_t count = low_height_.size();
     for (std::size_t t = 0; t < count; ++t) {
-      // A point of the front is so much higher than one of the other.
+      // The range of the height of a point of the front above a point of the other.
       const float least = std::max(0.0F, f.low_height - high_height_[t]);
       const float most = f.high_height - low_height_[t];
       unsigned meet = most > 0 ? 1U : 0U;
@@ -83,7 +286,7 @@ class RegionBounds {
         // The front's points shifted across by height times slope must meet those of the other.
         const float up = std::max(f.high_slope[k] * least, f.high_slope[k] * most);
         const float down = std::min(f.low_slope[k] * least, f.low_slope[k] * most);
-        // Without branches, for SIMD.
+        // There are no branches, so that the compiler uses SIMD.
         meet &= static_cast<unsigned>(f.low[k] - high_[k][t] <= up);
         meet &= static_cast<unsigned>(f.high[k] - low_[k][t] >= down);
       }
@@ -113,7 +316,7 @@ class RegionBounds {
             static_cast<float>(std::max({a, b, c})) + kRounding};
   }
 
-  // Slopes are quotients of linear functions in the eye and in the point: extreme at corners.
+  // Slopes are quotients of linear functions in the eye and in the point. So they are extreme at corners.
   [[nodiscard]] Front front_of(std::size_t triangle, const std::array<Vec3d, 3>& corners) const {
     Front f{};
     for (std::size_t k = 0; k < kAxes; ++k) {
@@ -128,7 +331,7 @@ class RegionBounds {
       for (const Vec3d& corner : corners) {
         const Vec3d way = v.eye.at - corner * v.eye.w;
         const double height = dot(way, solid_.axis);
-        // Beside the eye, or above it: it may look anywhere.
+        // The corner is beside the eye or above it, so any direction is possible.
         if (height < 1e-3) return anywhere(f);
         for (std::size_t k = 0; k < kAxes; ++k) {
           const auto slope = static_cast<float>(dot(way, across_[k]) / height);
@@ -155,7 +358,7 @@ class RegionBounds {
   std::vector<float> low_height_, high_height_;
 };
 
-// One cell at a time: which facings its viewpoints see, and the edges between them.
+// Finds the facings that the viewpoints of one cell see, and the edges between them.
 class CellEdges {
  public:
   CellEdges(const ViewSolid& solid, const std::vector<SolidFace>& faces, const EdgeRows& samples)
@@ -207,7 +410,7 @@ class CellEdges {
       find_unseen(front);
       for (std::uint32_t i = begin; i < end; ++i) known_[samples_.backs[i]] = 0;
     }
-    // Both by back node: merge.
+    // Both lists are sorted by back node. Merge them.
     std::size_t next = 0;
     const auto add_unseen = [&](NodeId before) {
       for (; next < unseen_.size() && unseen_[next] < before; ++next) {
@@ -225,7 +428,7 @@ class CellEdges {
     rows.offsets.push_back(static_cast<std::uint32_t>(rows.backs.size()));
   }
 
-  // The nodes that some viewpoint sees behind `front`, but no sample does.
+  // Finds the nodes that some viewpoint sees behind `front`, although no sample does.
   void find_unseen(NodeId front) {
     for (std::uint32_t t = 0; t < maybe_.size(); ++t) {
       if (maybe_[t] == 0 || t == triangle_of(front)) continue;
@@ -266,8 +469,8 @@ RegionEdges::RegionEdges(const std::vector<Triangle>& triangles, const std::vect
     const double area = 0.5 * length(perpendicular);
     face.front.normal = normalized(perpendicular);
     face.front.offset = -dot(face.front.normal, face.corners[0]);
-    face.edge_on = kEdgeOnPicture / area;
-    wide_[t] = area > kEdgeOnPicture && narrow(face.corners, 0.5 * tolerance) ? 1 : 0;
+    face.edge_on = kEdgeOnImageArea / area;
+    wide_[t] = area > kEdgeOnImageArea && narrow(face.corners, 0.5 * tolerance) ? 1 : 0;
     faces_[node_of(t, false)] = face;
     face.front = {-face.front.normal, -face.front.offset};
     faces_[node_of(t, true)] = face;

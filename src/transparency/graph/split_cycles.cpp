@@ -1,7 +1,8 @@
-// Faces that overlap in a cycle, cut until they have an order: see pellucid/transparency.h.
+// Cuts faces that overlap in a cycle until they have an order: see split_unordered() in
+// pellucid/transparency.h.
 //
-// Cutting cannot make a viewpoint cyclic: an edge between pieces is an edge between their triangles, and
-// pieces of one triangle do not overlap. So a viewpoint without cycles needs no second look.
+// A cut cannot make a viewpoint cyclic, because an edge between pieces is an edge between their triangles,
+// and pieces of one triangle do not overlap. So a viewpoint without cycles need not be searched again.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -16,12 +17,12 @@ namespace pellucid {
 namespace {
 
 constexpr std::uint32_t kRounds = 8;
-// Larger components are knots of many faces that a few cuts do not undo.
+// Larger components contain many faces, and a few cuts do not resolve them.
 constexpr std::uint32_t kLargestComponent = 24;
 // Cuts that are tried for one component.
 constexpr std::size_t kMostCuts = 48;
-// Overlaps that hide less than this (square radii) make no edge here: a hundredth of a pixel of a 1024 x 1024
-// picture, as in the occlusion graph.
+// Overlaps that hide less than this (square radii) make no edge here. It is a hundredth of a pixel of a 1024
+// x 1024 image, as in the occlusion graph.
 constexpr float kLeastEdgeArea = 3e-7F;
 
 // The occlusions between triangles from one viewpoint, in rows by the front one.
@@ -41,7 +42,7 @@ TriangleGraph visible_edges(const ViewpointEdges& edges) {
   return graph;
 }
 
-// Members of every component of two triangles and more.
+// Returns the members of every component of two or more triangles.
 std::vector<std::vector<std::uint32_t>> cycles_of(const TriangleGraph& graph) {
   if (!has_cycle(graph.offsets, graph.backs)) return {};
   const std::vector<std::uint32_t> component = strong_components(graph.offsets, graph.backs);
@@ -54,7 +55,7 @@ std::vector<std::vector<std::uint32_t>> cycles_of(const TriangleGraph& graph) {
   return cycles;
 }
 
-// Some triangles as a mesh of their own; triangle i was triangles[i].
+// Returns some triangles as a mesh of their own; triangle i was triangles[i].
 Mesh extract(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   Mesh part;
   for (const std::uint32_t t : triangles) {
@@ -76,7 +77,7 @@ class CycleSplitter {
     }
   }
 
-  // Fills what `result` says of cycles and splits result.split further.
+  // Splits result.split further, and fills the members of `result` about cycles.
   void run(SplitResult& result) {
     result.viewpoints = static_cast<std::uint32_t>(viewpoints_.size());
     std::vector<std::uint32_t> cyclic(viewpoints_.size());
@@ -105,8 +106,8 @@ class CycleSplitter {
     return {mesh, sphere_, unit_positions(mesh, sphere_), options_.facing == Facing::single, 0, 0};
   }
 
-  // One cut for every component seen from the `cyclic` viewpoints, at most one a triangle; none where only
-  // looking is asked for. Viewpoints without a cycle leave `cyclic`.
+  // Returns one cut for every component that is seen from the `cyclic` viewpoints, at most one per triangle,
+  // and no cuts if only the search is requested. Removes viewpoints without a cycle from `cyclic`.
   std::vector<TriangleCut> find_cuts(const Mesh& mesh, std::vector<std::uint32_t>& cyclic, bool only_look) {
     begin_stage(options_.progress, "cycles", cyclic.size());
     const OcclusionScene scene = scene_of(mesh);
@@ -138,8 +139,9 @@ class CycleSplitter {
     return all;
   }
 
-  // The cut of one member by another's plane that leaves the fewest triangles in cycles; ties go to the
-  // fewest pieces. Empty where none leaves fewer than there are.
+  // Returns the cut of one member by the plane of another that leaves the fewest triangles in cycles, and of
+  // these the one with the fewest pieces. Returns nothing if no cut leaves fewer triangles in cycles than
+  // before.
   std::optional<TriangleCut> best_cut(const Mesh& mesh, const std::vector<std::uint32_t>& cycle,
                                       const Viewpoint& viewpoint, Local& local) const {
     const Mesh part = extract(mesh, cycle);

@@ -1,4 +1,5 @@
-// All occlusions between faces from one viewpoint, weighted by the area of the picture that they concern.
+// Finds all occlusions between faces from one viewpoint, weighted by the area of the image that they concern.
+// In: a mesh and a viewpoint. Out: edges (front, back, area), in rows by the triangle in front.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +10,16 @@
 #include "pellucid/raster.h"
 #include "pellucid/sequencing.h"
 #include "pellucid/view.h"
-#include "transparency/graph/pair_search.h"
-#include "transparency/graph/pair_test.h"
-#include "transparency/graph/screen_triangles.h"
+#include "transparency/graph/screen_pairs.h"
 
 namespace pellucid {
 
-// Edges of one viewpoint, grouped by the triangle in front. From one viewpoint a triangle shows one facing
-// only, so `front_flipped` tells which node a row belongs to.
+// The edges of one viewpoint, grouped by the triangle in front. A viewpoint sees only one facing of a
+// triangle, so `front_flipped` tells which node a row belongs to.
 struct ViewpointEdges {
   std::vector<std::uint32_t> offsets;  // triangles + 1: rows by front triangle
   std::vector<NodeId> backs;
-  std::vector<float> areas;                 // square bounding radii of the picture
+  std::vector<float> areas;                 // square bounding radii of the image
   std::vector<std::uint8_t> front_flipped;  // per triangle
   std::uint64_t intersecting = 0;           // pairs of faces that each hide a part of the other
   void clear() { *this = {}; }
@@ -37,24 +36,40 @@ struct OcclusionScratch {
   std::vector<std::uint64_t> keys;
 };
 
-// What does not change from viewpoint to viewpoint.
+// The input that is the same for all viewpoints.
 struct OcclusionScene {
   const Mesh& mesh;
   BoundingSphere sphere;
   std::vector<Vec3d> positions;  // unit_positions()
-  bool front_only = false;       // single-sided: back faces neither hide nor are hidden
+  bool front_only = false;       // single-sided: back faces do not hide and are not hidden
   double tolerance = 0;          // bounding radii
   std::uint32_t raster_size = 512;
-  double alpha = 0;  // > 0: areas are weighed by the light that reaches them (transmittance.h)
+  double alpha = 0;  // > 0: areas are weighted by the light that reaches them
 };
 
-// By geometry: every pair of faces that overlap in the picture (section 2.2 of the paper, one viewpoint).
+// Finds every pair of faces that overlap in the image, by geometry (section 2.2 of the paper, one viewpoint).
 void find_edges_exactly(const OcclusionScene& scene, const Viewpoint& viewpoint, OcclusionScratch& scratch,
                         ViewpointEdges& out);
 
-// By sampling: faces of consecutive fragments of a pixel. Order along a ray is transitive, so these imply the
-// rest; overlaps that no pixel centre meets are missed.
+// Finds pairs of faces that have consecutive fragments in a pixel, by sampling. The order along a ray is
+// transitive, so these pairs imply the others. Overlaps that contain no pixel centre are missed.
 void find_edges_by_raster(const OcclusionScene& scene, const Viewpoint& viewpoint, OcclusionScratch& scratch,
                           ViewpointEdges& out);
+
+// --------------------------------------------------------------------------------- light that reaches a face
+
+// With faces of opacity alpha, a fragment behind n others contributes (1 - alpha)^n of its colour. So an
+// overlap in the wrong order is visible by that share of its area.
+
+constexpr float kNoLightKnown = -1;
+
+// Sets light[triangle], for all triangles that `light` has room for, to the mean of (1 - alpha)^(fragments in
+// front) over the fragments of the triangle. Triangles without fragments get kNoLightKnown.
+void find_light_of_triangles(const FragmentBuffer& fragments, double alpha, std::vector<float>& light);
+
+// Does the same for all triangles that the viewpoint sees, with a small image. A triangle without fragments
+// gets the light at the pixel of its middle. O(triangles + fragments). `fragments` is scratch memory.
+void find_light(const OcclusionScene& scene, const Viewpoint& viewpoint, const ScreenTriangles& screen,
+                FragmentBuffer& fragments, std::vector<float>& light);
 
 }  // namespace pellucid

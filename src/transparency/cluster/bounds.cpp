@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "transparency/cluster/clustering.h"
+#include "transparency/cluster/edge_set.h"
 
 namespace pellucid {
 

@@ -59,8 +59,6 @@ struct DeviceInfo {
   bool interlock = false;  // critical sections of fragment shaders (VK_EXT_fragment_shader_interlock)
 };
 
-};
-
 // ------------------------------------------------------------------------------------------------ results
 
 struct CaptureStats {

@@ -7,8 +7,8 @@
 
 #include "pellucid/baseline.h"
 #include "pellucid/sequencing.h"
-#include "sequencing/linear_order.h"
 #include "sequencing/edge_rows.h"
+#include "sequencing/linear_order.h"
 #include "transparency/graph/viewpoint_edges.h"
 
 namespace pellucid {

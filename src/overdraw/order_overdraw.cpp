@@ -166,7 +166,8 @@ class OverdrawOrderer {
                                  {options_.size, affordable_share(patches), options_.progress});
   }
 
-  // Returns the share of the pixels with which the lists of all training views stay within options.most_layers.
+  // Returns the share of the pixels with which the lists of all training views stay within
+  // options.most_layers.
   [[nodiscard]] double affordable_share(const Patches& patches) const {
     std::vector<OverdrawView> pilot;
     for (std::size_t i = 0; i < training_.size(); ++i) {
@@ -204,8 +205,8 @@ class OverdrawOrderer {
     return start;
   }
 
-  // Runs the rest of Algorithm 1: patches by their distances, summed over the views of a cluster. `views` are the
-  // training views of the lists.
+  // Runs the rest of Algorithm 1: patches by their distances, summed over the views of a cluster. `views` are
+  // the training views of the lists.
   [[nodiscard]] Clustering cluster_by_distance(const OrderedPatches& ordered,
                                                std::span<const std::uint32_t> views,
                                                const PatchCentroids& centroids, Clustering start) const {
@@ -280,8 +281,8 @@ class OverdrawOrderer {
         improve_orders(costs_of(ordered_, kLastSweeps), std::move(all), {5, 2e-3}).clustering;
   }
 
-  // Makes one order for one pose from compact patches, which need no runs of a cache order. Returns false if it does not
-  // apply to the options, or if it cannot reach the number of misses.
+  // Makes one order for one pose from compact patches, which need no runs of a cache order. Returns false if
+  // it does not apply to the options, or if it cannot reach the number of misses.
   bool refine_single(const Patches& coarse, Stopwatch& lap) {
     if (subject_.frames.size() > 1 || options_.buffers > 1 || options_.lambda >= kNoCache) return false;
     if (subject_.triangles.size() > kMostCompactTriangles) return false;
@@ -314,7 +315,8 @@ class OverdrawOrderer {
     return subject_.frames.size() == 1 ? kLastSweeps : kFirstSweeps;
   }
 
-  // From each of several starts, runs the paper's clustering and a few rounds of ours. Returns the best result.
+  // From each of several starts, runs the paper's clustering and a few rounds of ours. Returns the best
+  // result.
   [[nodiscard]] Clustering best_start(const OrderedPatches& few, std::span<const std::uint32_t> some) {
     Random random(options_.seed);
     const PatchCentroids centroids(subject_, few.patches);
@@ -390,8 +392,8 @@ class OverdrawOrderer {
     return orders;
   }
 
-  // Gives orders to the views that were not trained on: the order of the same viewpoint in the trained key frames before
-  // and after if these agree, or else the cheapest order.
+  // Gives orders to the views that were not trained on: the order of the same viewpoint in the trained key
+  // frames before and after if these agree, or else the cheapest order.
   [[nodiscard]] std::vector<std::uint32_t> cell_orders() const {
     const std::uint32_t cells = partition_.cell_count();
     const Clustering& clustering = ordered_.clustering;
@@ -440,7 +442,8 @@ class OverdrawOrderer {
   static constexpr std::uint64_t kPatchViews = 1000;
   // Views that the mean number of layers is estimated on.
   static constexpr std::uint64_t kPilotViews = 32;
-  // Larger single poses are cut into runs, because moving single triangles takes more than a minute per 100,000.
+  // Larger single poses are cut into runs, because moving single triangles takes more than a minute per
+  // 100,000.
   static constexpr std::size_t kMostCompactTriangles = 100'000;
   // Orders for all views have slightly different misses than orders for some views.
   static constexpr double kAcmrMargin = 0.994;

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <span>
 
-#include "pellucid/baseline.h"
 #include "pellucid/asset.h"
+#include "pellucid/baseline.h"
 #include "pellucid/sequencing.h"
 
 namespace pellucid {

@@ -159,8 +159,8 @@ OrderAccessors OrderArrayWriter::write(const OrderSet& set, const Mesh& mesh,
     stored.push_back(indices ? corner_values(drawn, mesh) : patches.ids_of(drawn));
   }
   const std::uint64_t ids = std::uint64_t{patches.count()} * (overdraw ? 1 : 2);
-  const ComponentWidth width =
-      indices ? vertex_index_width(mesh.positions.size()) : std::max(value_width(ids), ComponentWidth::two_bytes);
+  const ComponentWidth width = indices ? vertex_index_width(mesh.positions.size())
+                                       : std::max(value_width(ids), ComponentWidth::two_bytes);
 
   OrderAccessors accessors;
   accessors.encoding = encoding;
@@ -178,8 +178,8 @@ OrderAccessors OrderArrayWriter::write(const OrderSet& set, const Mesh& mesh,
 
 // All orders of a primitive lie in one view, so that a renderer can upload them as one buffer.
 void OrderArrayWriter::append_orders(const OrderSet& set,
-                                     const std::vector<std::vector<std::uint32_t>>& stored, ComponentWidth width,
-                                     OrderAccessors& accessors) {
+                                     const std::vector<std::vector<std::uint32_t>>& stored,
+                                     ComponentWidth width, OrderAccessors& accessors) {
   accessors.orders.resize(set.orders.size());
   std::vector<std::uint32_t> values;
   for (const auto& order : stored) values.insert(values.end(), order.begin(), order.end());
@@ -207,8 +207,8 @@ std::uint64_t OrderArrayWriter::order_buffer() {
   return options_.split_buffer ? side_buffer(".orders.bin") : editor_.host_buffer();
 }
 
-std::uint64_t OrderArrayWriter::append_order_view(const std::vector<std::uint32_t>& values, ComponentWidth width,
-                                                  OrderEncoding encoding) {
+std::uint64_t OrderArrayWriter::append_order_view(const std::vector<std::uint32_t>& values,
+                                                  ComponentWidth width, OrderEncoding encoding) {
   const Bytes bytes = pack(values, width);
   if (encoding != OrderEncoding::meshopt) {
     order_bytes_ += bytes.size();
@@ -238,7 +238,8 @@ std::uint64_t OrderArrayWriter::shared_accessor(const char* type, std::uint32_t 
   return entry->second;
 }
 
-std::uint64_t OrderArrayWriter::append_values(const std::vector<std::uint32_t>& values, ComponentWidth width) {
+std::uint64_t OrderArrayWriter::append_values(const std::vector<std::uint32_t>& values,
+                                              ComponentWidth width) {
   return shared_accessor("SCALAR", static_cast<std::uint32_t>(width), values.size(), pack(values, width));
 }
 

@@ -1,5 +1,5 @@
-// Computes the overdraw orders of posed meshes: order_overdraw() and cheapest_orders() of
-// pellucid/overdraw.h.
+// Implements order_overdraw() and cheapest_orders() of pellucid/overdraw.h: makes patches, lists the layers
+// of the training views, finds orders, and chooses one for every view.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -55,14 +55,14 @@ double distance_of(const OverdrawOptions& options, std::uint32_t frame, std::uin
   return options.min_distance + (options.max_distance - options.min_distance) * place;
 }
 
-// Returns whether the i-th of `all` items is among about `most` items that are spread evenly.
+// Returns whether item i of `all` items belongs to an evenly spread selection of about `most` items.
 bool among(std::uint64_t i, std::uint64_t all, std::uint64_t most) {
   double whole = 0;
   const double place = std::modf(0.6180339887498949 * static_cast<double>(i), &whole);
   return all <= most || place * static_cast<double>(all) < static_cast<double>(most);
 }
 
-// Smaller images are enough to find the cheapest of a few orders.
+// Returns options for smaller images, which are enough to find the cheapest of a few orders.
 ListOptions choice_options(const OverdrawOptions& options) {
   return {std::max(options.size / 2, 64U), 1, options.progress};
 }
@@ -166,7 +166,8 @@ class OverdrawOrderer {
                                  {options_.size, affordable_share(patches), options_.progress});
   }
 
-  // Returns the share of the pixels with which the lists of all training views stay within options.most_layers.
+  // Returns the share of the pixels with which the lists of all training views stay within
+  // options.most_layers.
   [[nodiscard]] double affordable_share(const Patches& patches) const {
     std::vector<OverdrawView> pilot;
     for (std::size_t i = 0; i < training_.size(); ++i) {
@@ -204,8 +205,8 @@ class OverdrawOrderer {
     return start;
   }
 
-  // Runs the rest of Algorithm 1: patches by their distances, summed over the views of a cluster. `views` are the
-  // training views of the lists.
+  // Runs the rest of Algorithm 1: patches by their distances, summed over the views of a cluster. `views` are
+  // the training views of the lists.
   [[nodiscard]] Clustering cluster_by_distance(const OrderedPatches& ordered,
                                                std::span<const std::uint32_t> views,
                                                const PatchCentroids& centroids, Clustering start) const {
@@ -280,8 +281,8 @@ class OverdrawOrderer {
         improve_orders(costs_of(ordered_, kLastSweeps), std::move(all), {5, 2e-3}).clustering;
   }
 
-  // Makes one order for one pose from compact patches, which need no runs of a cache order. Returns false if it does not
-  // apply to the options, or if it cannot reach the number of misses.
+  // Makes one order for one pose from compact patches, which need no runs of a cache order. Returns false if
+  // it does not apply to the options, or if it cannot reach the number of misses.
   bool refine_single(const Patches& coarse, Stopwatch& lap) {
     if (subject_.frames.size() > 1 || options_.buffers > 1 || options_.lambda >= kNoCache) return false;
     if (subject_.triangles.size() > kMostCompactTriangles) return false;
@@ -309,12 +310,14 @@ class OverdrawOrderer {
     return true;
   }
 
-  // One pose is cheap.
+  // Returns the number of sweeps in intermediate steps. A single pose is cheap, so it gets as many as in the
+  // last step.
   [[nodiscard]] std::uint32_t first_sweeps() const {
     return subject_.frames.size() == 1 ? kLastSweeps : kFirstSweeps;
   }
 
-  // From each of several starts, runs the paper's clustering and a few rounds of ours. Returns the best result.
+  // From each of several starts, runs the paper's clustering and a few rounds of ours. Returns the best
+  // result.
   [[nodiscard]] Clustering best_start(const OrderedPatches& few, std::span<const std::uint32_t> some) {
     Random random(options_.seed);
     const PatchCentroids centroids(subject_, few.patches);
@@ -390,8 +393,8 @@ class OverdrawOrderer {
     return orders;
   }
 
-  // Gives orders to the views that were not trained on: the order of the same viewpoint in the trained key frames before
-  // and after if these agree, or else the cheapest order.
+  // Gives orders to the views that were not trained on: the order of the same viewpoint in the trained key
+  // frames before and after if these agree, or else the cheapest order.
   [[nodiscard]] std::vector<std::uint32_t> cell_orders() const {
     const std::uint32_t cells = partition_.cell_count();
     const Clustering& clustering = ordered_.clustering;
@@ -440,7 +443,8 @@ class OverdrawOrderer {
   static constexpr std::uint64_t kPatchViews = 1000;
   // Views that the mean number of layers is estimated on.
   static constexpr std::uint64_t kPilotViews = 32;
-  // Larger single poses are cut into runs, because moving single triangles takes more than a minute per 100,000.
+  // Larger single poses are cut into runs, because moving single triangles takes more than a minute per
+  // 100,000.
   static constexpr std::size_t kMostCompactTriangles = 100'000;
   // Orders for all views have slightly different misses than orders for some views.
   static constexpr double kAcmrMargin = 0.994;

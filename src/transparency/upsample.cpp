@@ -1,4 +1,5 @@
-// From the order of a simplified mesh to an order of the full one: see upsample.h.
+// Implements upsample.h: carries orders from a simplified mesh to the full one, repairs them by sifting nodes
+// that are in a wrong order, and arranges them for the vertex cache.
 #include "transparency/upsample.h"
 
 #if PELLUCID_EMBREE_VERSION == 4
@@ -32,8 +33,8 @@ struct CloseScene {
 using Device = std::unique_ptr<RTCDeviceTy, CloseDevice>;
 using Scene = std::unique_ptr<RTCSceneTy, CloseScene>;
 
-// Returns the squared distance from p to triangle abc (Ericson, "Real-Time Collision Detection", 2004, section 5.1.5, by
-// regions).
+// Returns the squared distance from p to triangle abc (Ericson, "Real-Time Collision Detection", 2004,
+// section 5.1.5, by regions).
 double squared_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a;
   const Vec3d ac = c - a;
@@ -305,7 +306,8 @@ class Refiner {
     return nodes;
   }
 
-  // Returns for every cluster the edges that are seen from its samples and for which wanted(cluster, front, back) holds.
+  // Returns for every cluster the edges that are seen from its samples and for which wanted(cluster, front,
+  // back) holds.
   template <class Predicate>
   std::vector<EdgeRows> collect(const Predicate& wanted) {
     std::vector<EdgeCollection> collections(ranks_.size());

@@ -1,5 +1,5 @@
-// pellucid/baseline.h - module `baseline`: the methods that programs use without precomputed orders,
-// implemented well, so that order sets can be measured beside them (docs/baselines.md).
+// pellucid/baseline.h - module `baseline`: implements the methods that programs use without precomputed
+// orders, so that order sets can be measured beside them (docs/baselines.md).
 //
 // In: a clean mesh and a viewpoint. Out: triangles in depth order, found with work in every frame or with
 // copies of triangles: centroid sort, binary space partition, depth-presorted lists, and the best order of
@@ -35,7 +35,7 @@ class CentroidSort {
   struct Scratch {
     std::vector<std::uint64_t> keyed, swapped;  // key and triangle
   };
-  // Returns the triangles front to back; equal distances stay in file order. O(triangles).
+  // Returns the triangles front to back; equal distances stay in file order. Takes O(triangles).
   void sort(const Eye& eye, Scratch& scratch, std::vector<std::uint32_t>& triangles) const;
   [[nodiscard]] std::uint64_t memory_bytes() const { return centroids_.size() * sizeof(Vec3f); }
 
@@ -61,7 +61,7 @@ inline double side_of(const Plane& plane, const Eye& eye) {
 // SIGGRAPH 1980.
 struct BspNode {
   Plane plane;
-  std::uint32_t front = 0, back = 0;   // children; 0, the root: none
+  std::uint32_t front = 0, back = 0;   // children; 0 (the root) means none
   std::uint32_t first = 0, count = 0;  // triangles of BspTree::mesh that lie in the plane
 };
 struct BspTree {
@@ -78,21 +78,24 @@ struct BspOptions {
 };
 // Builds the partition. Expected O(n log n) for n pieces, O(n^2) if the mesh is convex. Deterministic.
 BspTree build_bsp(const Mesh& mesh, const BspOptions& options);
-// Returns the pieces front to back for any eye, also for one inside the convex hull. O(pieces).
+// Returns the pieces front to back for any eye, also for one inside the convex hull. Takes O(pieces).
 void walk_bsp(const BspTree& tree, const Eye& eye, std::vector<std::uint32_t>& pieces);
 
 // --------------------------------------------------------------------------- depth-presorted triangle lists
 
 // Every region of view directions has one list that merges the orders of all its viewpoints. A list can hold
-// a node several times; plane tests make sure that exactly one of these copies is drawn. Follows: Chen,
+// a node several times; plane tests make sure that exactly one of these copies is drawn. Based on: Chen,
 // Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as Han et al. 2018 describe
 // it. docs/baselines.md says what the text leaves open and what was assumed.
+
+// The list of one region.
 struct PresortedList {
   std::vector<NodeId> nodes;                // one per copy, front to back
   std::vector<std::uint32_t> test_offsets;  // copies + 1, into tests
   // 2 * plane: the viewpoint must be in front of the plane or on it; 2 * plane + 1: behind it.
   std::vector<std::uint32_t> tests;
 };
+// The lists of all regions.
 struct PresortedLists {
   PartitionSpec partition;
   BoundingSphere sphere;
@@ -114,23 +117,25 @@ struct PresortedOptions {
   std::uint64_t max_edges = 150'000'000;
   Progress* progress = nullptr;
 };
+// Builds the lists. If a limit of the options is exceeded, the result is not `complete`. Deterministic.
+// Throws Error{interrupted} if options.progress requests it.
 PresortedLists build_presorted_lists(const Mesh& mesh, const PresortedOptions& options);
 // Returns the list that a renderer walks for a view direction.
 const PresortedList& select_list(const PresortedLists& lists, const Vec3d& direction);
-// Returns the copies that pass their tests, in the order of the list. O(list).
+// Returns the copies that pass their tests, in the order of the list. Takes O(list).
 void walk_list(const PresortedLists& lists, const PresortedList& list, const Eye& eye, NodeSequence& nodes);
 
 // ------------------------------------------------------------------------------- the best order of one view
 
 // Returns the ranks of all nodes in the best order that is found for one viewpoint alone, from a raster.
-// Nodes that are in no cycle are in the right order; the others are sifted. So the pixels that this order
-// draws wrong have no right order, apart from what sifting misses.
+// Nodes that are in no cycle are in the right order; the others are sifted. No order is right for the pixels
+// that this order draws wrong, except where sifting misses a better order.
 std::vector<std::uint32_t> best_ranks(const Mesh& mesh, const BoundingSphere& sphere,
                                       const Viewpoint& viewpoint, std::uint32_t raster_size, Facing facing);
 
 // --------------------------------------------------------------------- measuring order sets beside baselines
 
-// A mesh as one file draws it. `orders` null: the file's own triangle order is all there is.
+// A mesh as one file draws it. If `orders` is null, the file has only its own triangle order.
 struct MeasureSubject {
   std::string label;
   const Mesh* mesh = nullptr;        // clean
@@ -142,7 +147,7 @@ struct Baselines {
   bool base = true, cache_optimized = true, centroid_sort = true;
   bool bsp = false, dptl = false;  // take time and memory to build
 };
-// Reads "all", "none", or names with commas between them: "base,cache_optimized,centroid_sort,bsp,dptl".
+// Parses "all", "none", or names with commas between them: "base,cache_optimized,centroid_sort,bsp,dptl".
 // Throws Error{bad_argument} for other names.
 Baselines parse_baselines(const std::string& text);
 // Returns all names that a measured baseline can have.
@@ -189,6 +194,7 @@ struct MethodReport {
   MethodQuality quality;  // carries the name
 };
 
+// The methods that were measured on one primitive.
 struct PrimitiveMeasureReport {
   std::string name;
   std::uint64_t triangles = 0, vertices = 0;
@@ -198,14 +204,12 @@ struct PrimitiveMeasureReport {
 
 // Measures every subject that has orders, and beside them the baselines of the first subject's mesh. The
 // first subject decides the facing. The baselines are:
-//   original               the triangle order of the mesh `original`, drawn as viewers draw it, later
-//   triangles over
-//                          earlier ones; left out if `original` is null
+//   original               the triangle order of the mesh `original`, drawn as viewers draw it: later
+//                          triangles over earlier ones; left out if `original` is null
 //   base                   the base order of the set, its best single order
 //   cache_optimized        meshoptimizer's vertex cache order of all triangles, which ignores depth
-//   cache_optimized_twins  the same for every buffer of the set, with the nodes that the buffer holds: this
-//   shows
-//                          what the depth order costs in cache misses
+//   cache_optimized_twins  the same for every buffer of the set, with the nodes of that buffer; shows what
+//                          the depth order costs in cache misses
 //   centroid_sort          all triangles sorted in every frame
 //   bsp                    the walk of a binary space partition
 //   dptl                   depth-presorted triangle lists
@@ -261,10 +265,11 @@ struct MeasuredOverdrawMethod {
 MeasuredOverdrawMethod method_of_sets(const std::string& name, const OverdrawSubject& subject,
                                       OverdrawSets sets, std::uint32_t cache_size);
 
+// Which baselines of overdraw orders are made, and how.
 struct OverdrawBaselineOptions {
-  std::vector<std::string> names;  // of "input", "original", "meshopt", "per-frame", "single", "paper"
-  OverdrawOptions orders;   // lambda, cache, buffers, seed: as those of the orders they are compared with
-  bool joint = true;        // as in order_overdraw_sets()
+  std::vector<std::string> names;  // any of "input", "original", "meshopt", "per-frame", "single", "paper"
+  OverdrawOptions orders;          // lambda, cache, buffers and seed as for the orders to compare with
+  bool joint = true;               // as in order_overdraw_sets()
   double acmr = 0;          // meshopt: choose the least threshold with at least this many misses per triangle
   std::vector<Vec3f> rest;  // vertices of the rest pose, which meshopt gets
 };
@@ -273,7 +278,8 @@ struct OverdrawBaselineOptions {
 std::vector<MeasuredOverdrawMethod> make_overdraw_baselines(const OverdrawSubject& subject,
                                                             const std::vector<PosedFrame>& frames,
                                                             const OverdrawBaselineOptions& options);
-// Returns meshopt_optimizeVertexCache() and meshopt_optimizeOverdraw() of every part.
+// Returns the triangle order by meshopt_optimizeVertexCache() and then meshopt_optimizeOverdraw(), part by
+// part. `threshold` is that of meshopt_optimizeOverdraw().
 std::vector<std::uint32_t> meshopt_overdraw_order(const OverdrawSubject& subject,
                                                   const std::vector<Vec3f>& rest, float threshold);
 

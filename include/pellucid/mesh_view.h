@@ -1,7 +1,8 @@
-// pellucid/mesh_view.h - the arrays of a caller's mesh, as the front door (pellucid/pellucid.h) takes them.
+// pellucid/mesh_view.h - refers to the arrays of a caller's mesh, for the functions of pellucid/pellucid.h.
 //
-// In: positions and indices in the layout that a program has. Out: a Mesh of its own. Views refer to memory
-// of the caller, which must outlive the call that they are passed to; nothing of it is kept.
+// In: positions and indices in one of several layouts. Out: views of them, and copy_mesh(), which copies them
+// into a Mesh. A view refers to the caller's memory, which must exist until the call that takes the view has
+// returned. The library keeps no view.
 #pragma once
 
 #include <concepts>
@@ -28,8 +29,8 @@ class PositionView {
   PositionView(const Range& xyz) {
     *this = of_floats(xyz);
   }
-  // `stride_bytes` lie between the beginnings of neighbours. Throws Error{bad_argument} for a null pointer to
-  // more than 0 vertices, and for a stride that is less than 12 or no multiple of 4.
+  // `stride_bytes` is the distance from one vertex to the next. Throws Error{bad_argument} for a null pointer
+  // if `vertices` is not 0, and for a stride that is less than 12 or not a multiple of 4.
   PositionView(const float* first, std::size_t vertices, std::size_t stride_bytes = sizeof(Vec3f));
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -44,7 +45,7 @@ class PositionView {
   std::size_t size_ = 0, floats_ = 3;
 };
 
-// Refers to indices, three for each triangle: 32 bits, 16 bits, or Triangles.
+// Refers to indices, three for each triangle, as 32-bit numbers, 16-bit numbers or Triangles.
 class IndexView {
  public:
   IndexView() = default;
@@ -67,6 +68,7 @@ class IndexView {
   std::span<const Triangle> triangles_;
 };
 
+// Refers to a whole mesh.
 struct MeshView {
   PositionView positions;
   IndexView indices;
@@ -78,8 +80,8 @@ struct Pose {
   PositionView positions;
 };
 
-// Returns a copy of the arrays. Throws Error{bad_argument} where the number of indices is not a multiple of
-// 3, or there are 2^32 - 1 vertices or more, or 2^31 triangles or more. Indices may be out of range.
+// Returns a copy of the arrays. Throws Error{bad_argument} if the number of indices is not a multiple of 3,
+// or if there are 2^32 - 1 vertices or more, or 2^31 triangles or more. Indices may be out of range.
 Mesh copy_mesh(const MeshView& mesh);
 
 }  // namespace pellucid

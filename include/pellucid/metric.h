@@ -2,8 +2,8 @@
 //
 // In: a mesh, viewpoints, and for each viewpoint the ranks of an order. Out: image errors (IPR, PSNR) against
 // the exact depth order, overdraw (OVR), differences of images, and images that show them. The exact order
-// comes from the module `raster`. Vertex cache statistics (ACMR, ATVR) are in pellucid/sequencing.h. Follows:
-// Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 7.
+// comes from the module `raster`. Vertex cache statistics (ACMR, ATVR) are in pellucid/sequencing.h. Based
+// on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 7.
 //
 // IPR is the share of incorrect pixels: of the covered pixels, those whose fragments are drawn in a wrong
 // order. OVR is the number of fragments that pass the depth test, divided by the number of covered pixels.
@@ -36,13 +36,14 @@ struct DrawingMethod {
   std::function<std::vector<std::uint32_t>(const Viewpoint&)> ranks;
 };
 
-// Errors in one range of distances.
+// Mean errors over the viewpoints in one range of distances.
 struct DistanceError {
   double distance = 0;  // upper end of the range, bounding radii
   double ipr = 0;
-  double psnr = 0;
+  double psnr = 0;  // dB
 };
 
+// The errors of one method.
 struct MethodQuality {
   std::string name;
   double ipr_mean = 0, ipr_max = 0;    // mean and worst over the viewpoints
@@ -59,13 +60,14 @@ struct MeasuredViews {
   std::uint64_t seed = 20180501;              // must differ from the seeds that orders are made with
 };
 
+// What measure_order_quality() measures, and how.
 struct MeasureOptions : MeasuredViews {
   Facing facing = Facing::duplicated;
   ShadingOptions shading;
-  Progress* progress = nullptr;
+  Progress* progress = nullptr;  // may be null
 };
-// Measures all methods on the same frames; every frame is rasterised once. O(viewpoints * (raster +
-// methods)).
+// Measures all methods on the same frames; every frame is rasterised once. Takes O(viewpoints * (raster +
+// methods)). Throws Error{bad_argument} for distances that random_viewpoints() refuses.
 std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<const DrawingMethod> methods,
                                                  const MeasureOptions& options);
 
@@ -78,19 +80,19 @@ Image shade_exact(const Mesh& mesh, const Camera& camera, const FragmentBuffer& 
 // left out.
 Image shade_ordered(const Mesh& mesh, const Camera& camera, const FragmentBuffer& fragments,
                     std::span<const std::uint32_t> ranks, const ShadingOptions& options);
-// Returns an image that shows where the order is wrong: these pixels are red over a pale silhouette (figures
-// 3 and 6 of the paper).
+// Returns an image that shows where the order is wrong: these pixels are red, over a pale silhouette of the
+// mesh (as in figures 3 and 6 of the paper).
 Image error_image(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks);
 
 // ----------------------------------------------------------------------------- overdraw of static meshes
 
 struct OverdrawStatistics {
   std::uint64_t covered = 0;  // pixels
-  std::uint64_t shaded = 0;   // fragments that pass a strict (less) depth test in draw order
+  std::uint64_t shaded = 0;   // fragments that pass a strict ("less") depth test in draw order
   double overdraw = 0;        // shaded / covered, >= 1; 0 if no pixel is covered
 };
-// Counts the fragments of front faces over all `viewpoints`, pooled. `choose` returns the order that each
-// viewpoint is drawn in.
+// Counts the fragments of front faces, summed over all `viewpoints`, in images of size x size pixels.
+// `choose` returns the order that is drawn from a viewpoint.
 OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint> viewpoints,
                                     std::uint32_t size,
                                     const std::function<std::span<const NodeId>(const Viewpoint&)>& choose);
@@ -100,19 +102,19 @@ OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint>
 // An opaque mesh in one or more poses.
 struct OverdrawSubject {
   std::vector<Triangle> triangles;
-  // Draw calls. The triangles of a part are drawn one after another, with no triangle of another part between
-  // them. Holds the first triangle of every part, ascending from 0.
+  // The first triangle of every part, ascending from 0. A part is a draw call: its triangles are drawn one
+  // after another, with no triangle of another part between them.
   std::vector<std::uint32_t> parts{0};
   // By triangle: 1 if its back face is drawn, too. Empty: back faces are culled.
   std::vector<std::uint8_t> double_sided;
-  // Vertex positions of every pose, all of the same size. A static mesh has one pose.
+  // The vertex positions of every pose; all poses have the same vertices. A static mesh has one pose.
   std::vector<std::vector<Vec3f>> frames;
 };
 
 // Returns the bounding sphere of every pose, around the vertices that triangles use.
 std::vector<BoundingSphere> pose_spheres(const OverdrawSubject& subject);
 
-// Returns the cache misses per triangle when each of the orders is drawn by itself: their mean.
+// Returns the mean number of cache misses per triangle over the orders, each drawn by itself.
 double acmr_of(const OverdrawSubject& subject, const std::vector<std::vector<std::uint32_t>>& orders,
                std::uint32_t cache_size);
 
@@ -124,6 +126,7 @@ struct PosedDrawingMethod {
   std::function<std::span<const std::uint32_t>(std::uint32_t frame, const Viewpoint& viewpoint)> ranks;
 };
 
+// The overdraw of one method.
 struct OverdrawQuality {
   std::string name;
   double mean = 0, max = 0;      // over the images that have covered pixels
@@ -140,8 +143,8 @@ struct PosedOverdrawOptions {
   std::uint64_t most_images = 0;
   Progress* progress = nullptr;
 };
-// Measures all methods on the same images, fragment by fragment. It knows nothing of patches, and so it
-// checks what order_overdraw() counts.
+// Measures all methods on the same images, fragment by fragment. It does not use patches, so it is an
+// independent check of the counts of order_overdraw().
 std::vector<OverdrawQuality> measure_posed_overdraw(const OverdrawSubject& subject,
                                                     std::span<const PosedDrawingMethod> methods,
                                                     const PosedOverdrawOptions& options);
@@ -188,7 +191,8 @@ struct ImageError {
 ImageError image_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
                        std::uint64_t covered_pixels);
 
-// What the eye notices. Both are sums over the image, divided by the number of covered pixels.
+// The error as the eye perceives it. Both members are sums over the image, divided by the number of covered
+// pixels.
 struct PerceivedError {
   // Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 2004) of sRGB luma, with a Gaussian
   // window of sigma 1.5 and 11 x 11 pixels. 1: equal.
@@ -199,6 +203,7 @@ struct PerceivedError {
   // black and white.
   double hyab = 0;
 };
+// Compares the linear colours of two images of the same size.
 PerceivedError perceived_error(std::span<const Vec3f> exact, std::span<const Vec3f> drawn,
                                std::uint32_t width, std::uint32_t height, std::uint64_t covered_pixels);
 

@@ -75,6 +75,7 @@ struct KeyFrameTable {
   std::vector<std::uint32_t> cell_orders;  // key frames x view cells, row by row: index into OrderSet::orders
 };
 
+// A few orders of the triangles of one mesh, and the table that says which of them to draw.
 struct OrderSet {
   OrderPurpose purpose = OrderPurpose::transparency;
   PartitionSpec partition;
@@ -182,7 +183,7 @@ BufferStatistics sequence_statistics(const Mesh& mesh, std::span<const NodeId> o
 // Returns the statistics of every order of a set.
 std::vector<BufferStatistics> buffer_statistics(const Mesh& mesh, const OrderSet& orders, CacheModel model,
                                                 std::uint32_t cache_size);
-// Returns the statistics of all buffers together, as ratios of their sums.
+// Returns the statistics of all buffers together: the sums of their counts, and the ratios of these sums.
 BufferStatistics pooled(std::span<const BufferStatistics> buffers);
 
 // Returns the misses of a first-in first-out vertex cache for an order of triangles.

@@ -1,10 +1,10 @@
-// pellucid/shading.h - module `metric`, second header: shades and blends the fragments of a pixel, and
-// measures the error of a frame that is drawn in a wrong order.
+// pellucid/shading.h - module `metric`: shades and blends the fragments of a pixel, and measures the error of
+// a frame that is drawn in a wrong order.
 //
 // In: fragments of the module `raster`, and ranks. Out: colours, and counts of wrong pixels. There are two
-// shaders (In-Depth Buffers, section 7 and figure 4): a translucent surface lit per pixel, and depth turned
-// into colour. Orders can be optimised for these images (OrderOptions::min_psnr), and the module `metric`
-// measures with the same code. Colours are linear until a pixel is finished.
+// ways of shading (In-Depth Buffers, section 7 and figure 4): a translucent surface with lighting per pixel,
+// and a ramp from depth to colour. Orders can be made for these images (OrderOptions::min_psnr), and the
+// module `metric` measures with the same code. Colours are linear until a pixel is finished.
 #pragma once
 
 #include <array>
@@ -22,12 +22,13 @@ namespace pellucid {
 // depth to colour, which shows order errors best.
 enum class Shading { lit, depth };
 
-// Linear RGB, and the opacity of a sheet that is seen head-on.
+// The look of a surface: linear RGB, and the opacity where it is seen head-on.
 struct SurfaceLook {
   Vec3f color{0.09F, 0.34F, 0.68F};
   double alpha = 0.5;
 };
 
+// How all fragments of an image are shaded.
 struct ShadingOptions {
   Shading shading = Shading::lit;
   double alpha = 0.5;
@@ -46,9 +47,10 @@ struct ShadedFragment {
   NodeId node;
 };
 
+// Computes the colours of fragments and blends them.
 class FragmentShader {
  public:
-  // Keeps references to the mesh; computes vertex normals where it has none.
+  // Keeps a reference to the mesh. Computes vertex normals if the mesh has none.
   FragmentShader(const Mesh& mesh, const Camera& camera, const ShadingOptions& options);
 
   // Replaces `shaded` by the shaded fragments of a pixel, in the order of `fragments`.
@@ -84,6 +86,7 @@ class FragmentShader {
   std::array<Vec3d, 5> ramp_;
 };
 
+// Convert between linear values and sRGB, both 0..1.
 double srgb_from_linear(double linear);
 double linear_from_srgb(double encoded);
 
@@ -100,15 +103,18 @@ bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::ui
 // nearer ones, and no two fragments have the same depth.
 bool pixel_is_verified(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks);
 
+// The pixels of one frame.
 struct PixelCount {
   std::uint64_t foreground = 0;  // pixels with at least one fragment
   std::uint64_t incorrect = 0;   // of these, pixels that are not in order: IPR = incorrect / foreground
   std::uint64_t repaired = 0;    // of these, pixels that are not verified
 };
+// Counts the pixels of a frame that is drawn in the order of `ranks`.
 PixelCount count_incorrect_pixels(const FragmentBuffer& fragments, std::span<const std::uint32_t> ranks);
 
 constexpr double kPerfectPsnr = 100;  // dB, for frames without any error
 
+// The error of one frame.
 struct FrameError {
   std::uint64_t foreground = 0;  // pixels with at least one fragment
   std::uint64_t incorrect = 0;   // pixels that are drawn in a wrong order, or that miss a fragment

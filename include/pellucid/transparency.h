@@ -3,7 +3,7 @@
 //
 // In: a clean Mesh and options. Out: an OrderSet, that is, a few orders of all triangles and a table that
 // says which of them blends correctly from a view direction. Steps: the occlusion graph of every view cell,
-// clusters of view cells, one order per cluster. Follows: Han, Chen, Nehab, Sander, "In-Depth Buffers",
+// clusters of view cells, one order per cluster. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers",
 // PACMCGIT 1(1), 2018 (section numbers below), and extends it with weighted edges and an error budget
 // (docs/in-depth-buffers.md).
 //
@@ -31,16 +31,16 @@ class CheckpointStore;
 // ---------------------------------------------------------------------------------------------- the options
 
 enum class OrderMethod {
-  budget,   // an error budget: orders may violate edges, and the fewest orders that meet an error are found
-  acyclic,  // the paper's: cells share an order only if no edge is violated
+  budget,   // finds the fewest orders that meet an error; the orders may violate edges
+  acyclic,  // the method of the paper: cells share an order only if it violates no edge
 };
-// Where occlusions come from: exact geometry, or a raster.
+// How occlusions are found: by exact geometry, or from the fragments of a raster.
 enum class OcclusionSource { exact, raster };
 // Which pair of clusters the acyclic method merges first (section 3.2). I and J are their edge sets.
 enum class MergePriority {
-  intersection /* max |I n J| */,
-  difference /* min |I u J| - |I n J| */,
-  union_size /* min |I u J| */
+  intersection,  // max |I n J|
+  difference,    // min |I u J| - |I n J|
+  union_size     // min |I u J|
 };
 enum class Projection { perspective, orthographic };
 
@@ -58,21 +58,23 @@ struct OrderOptions {
   // sphere's centre. < 0: the default of the method: 0 for budget; 0.003, the authors' value, for acyclic.
   double tolerance = -1;
 
-  // Weights of occlusions. > 0: the visible part of the overlap, that is, its area times the light that
-  // reaches it, (1 - alpha)^(layers in front), for faces of this opacity, at most 1. 0: the area alone.
+  // The opacity by which occlusions are weighted, 0..1. > 0: the weight is the area of the overlap times the
+  // light transmittance of the layers in front of it, (1 - alpha)^layers. 0: the weight is the area.
   double alpha = 0;
 
   // ----------------------------------------------------------------------------- budget: the error
-  // Buffers are added until the measured IPR is at most this.
+  // Buffers are added until the mean IPR over held-out viewpoints is at most this.
   double max_error = 0.001;
-  // Replaces max_error: until the PSNR of the images is at least this, dB, mean over the validation
-  // viewpoints. The images are lit (shading.h), with faces of opacity alpha, or 0.5 where alpha is 0.
+  // Replaces max_error: buffers are added until the mean PSNR over held-out viewpoints is at least this (dB).
+  // The images are lit (shading.h), with faces of opacity alpha, or 0.5 if alpha is 0.
   std::optional<double> min_psnr{};
-  // Replaces both: use the fewest buffers, up to max_buffers, with which frames by verified blending take
-  // hardly longer than with any other number of buffers (verified_frame_time()).
+  // Replaces both: uses the fewest buffers with which a frame by verified blending takes hardly longer than
+  // with any other number of up to max_buffers (verified_frame_time()).
   bool least_frame_time = false;
   std::uint32_t max_buffers = 16;  // the largest number of buffers
-  std::uint32_t min_buffers = 1;   // the least; if it equals max_buffers, that number, without unused buffers
+  // The least number of buffers. Set it to max_buffers to ask for one number. Buffers that no view cell uses
+  // are removed, so there may be fewer.
+  std::uint32_t min_buffers = 1;
 
   // ------------------------------------------------------------------------------ acyclic: the search
   MergePriority priority = MergePriority::union_size;
@@ -111,10 +113,13 @@ double image_alpha(const OrderOptions& options);
 
 // ----------------------------------------------------------------------------------------------- the result
 
+// The wall time of the stages in seconds. `sequence`: the orders of the clusters. `refine`: their repair on
+// the full mesh after upsampling.
 struct StageSeconds {
   double graph = 0, cluster = 0, sequence = 0, refine = 0, total = 0;
 };
 
+// What order_mesh() found. Weights are those of edges (see the terms above).
 struct OrderStatistics {
   std::uint64_t triangles = 0;
   std::uint64_t viewpoints = 0;           // samples x distances
@@ -132,7 +137,7 @@ struct OrderStatistics {
   std::uint32_t clusters_before_relaxation = 0;  // acyclic
   std::uint32_t clusters_lower_bound = 0;        // acyclic: cells that contradict each other pairwise; else 0
   std::uint32_t iterations = 0;                  // budget: k-means rounds; acyclic: relaxation rounds
-  double measured_error = -1;                    // IPR on the validation viewpoints; -1: not measured
+  double measured_error = -1;                    // IPR over held-out viewpoints; -1: not measured
   double measured_psnr = -1;  // PSNR there, dB, if the options ask for it; -1: not measured
   StageSeconds seconds;
   std::uint64_t peak_rss_bytes = 0;
@@ -157,16 +162,16 @@ OrderResult order_mesh(const Mesh& mesh, const OrderOptions& options);
 // The best order set of at most `limit` buffers.
 struct FrontierPoint {
   std::uint32_t limit = 0;
-  // order_mesh() with min_buffers = max_buffers = request makes this order set. It is less than `limit` where
-  // `limit` buffers came out worse than fewer buffers, which are a solution for `limit`, too.
+  // order_mesh() with min_buffers = max_buffers = request makes this order set. It is less than `limit` if
+  // fewer buffers turned out to have a smaller error than `limit` buffers.
   std::uint32_t request = 0;
-  std::uint32_t buffers = 0;       // in the set; fewer than requested if a buffer would serve no view
-  double ipr = 0, psnr = 0;        // mean over the validation viewpoints, see OrderOptions::min_psnr
+  std::uint32_t buffers = 0;       // in the set; fewer than requested if no view cell would use one
+  double ipr = 0, psnr = 0;        // mean over held-out viewpoints, see OrderOptions::min_psnr
   double repaired = 0;             // share of pixels that verified blending repairs, mean over the same
   double frame_time = 1;           // verified_frame_time(repaired)
   double violated_weight = 0;      // as in OrderStatistics
   std::uint64_t memory_bytes = 0;  // of the index data when drawn
-  bool meets_target = false;       // max_error, min_psnr or least_frame_time
+  bool meets_target = false;       // the target is max_error, min_psnr or least_frame_time
 };
 
 // The curve of error against number of buffers (a Pareto front).
@@ -186,8 +191,8 @@ double verified_frame_time(double repaired);
 
 // Returns the error for every number of buffers from 1 to options.max_buffers, so that a user can choose. The
 // graph is built once and clustered for each number. Errors never rise with the number, by the measure of the
-// target. Method budget only, because acyclic finds its own number. With upsampling, every number takes a
-// repair of the full mesh.
+// target. Only the method budget is allowed, because acyclic finds its own number. With upsampling, the full
+// mesh is repaired once for every number. Throws as order_mesh() does.
 OrderFrontier order_frontier(const Mesh& mesh, const OrderOptions& options, bool with_result = false);
 
 // ------------------------------------------------------------------------- faces without a right draw order

@@ -8,15 +8,13 @@
 //
 //   P[n]    Discrete viewpoints. The cells are the 10*4^n + 2 vertices of an icosahedron after n midpoint
 //           subdivisions. A cell contains the directions nearest to its vertex, which is its only sample.
-//   S[n,m]  Sampled view triangles. The cells are the 20*4^n triangles of level n. The samples of a cell are
-//   the
-//           vertices of its triangle after m more subdivisions; those on a border belong to all adjacent
-//           cells. S[2,2] has 320 cells with 15 samples each and 2562 distinct directions.
-//   T[n]    View triangles. The cells are those of S, but an order must hold for ALL viewpoints of a cell, at
-//   all
-//           distances between the nearest and the farthest that are sampled.
-//   R[n]    View regions. An order must hold for all viewpoints of a cell from the nearest valid distance to
-//   infinity.
+//   S[n,m]  Sampled view triangles. The cells are the 20*4^n triangles of level n. The samples of a cell
+//           are the vertices of its triangle after m more subdivisions; those on a border belong to all
+//           adjacent cells. S[2,2] has 320 cells with 15 samples each and 2562 distinct directions.
+//   T[n]    View triangles. The cells are those of S, but an order must be right for ALL viewpoints of a
+//           cell, at all distances between the nearest and the farthest that are sampled.
+//   R[n]    View regions. An order must be right for all viewpoints of a cell, from the nearest valid
+//           distance to infinity.
 //
 // T and R have the samples of S[n,2], which determine the weights of their occlusion edges.
 //
@@ -56,8 +54,8 @@ struct PartitionSpec {
 constexpr bool has_triangle_cells(const PartitionSpec& spec) {
   return spec.kind != PartitionKind::viewpoints;
 }
-// Returns true if an order must hold for every viewpoint of a cell (T, R), and false if only for its samples
-// (P, S).
+// Returns true if an order must be right for every viewpoint of a cell (T, R), and false if only for its
+// samples (P, S).
 constexpr bool is_continuous(const PartitionSpec& spec) {
   return spec.kind == PartitionKind::view_triangles || spec.kind == PartitionKind::view_regions;
 }

@@ -1,5 +1,5 @@
-// The front door for files: read a model, order its translucent primitives, write it. Orders stay in the
-// primitives of the model that they are of. See pellucid/pellucid.h.
+// Implements the functions of pellucid/pellucid.h for files: reads a model, orders its translucent primitives
+// and writes it. Orders are kept in the primitives of the model.
 #include <cstdint>
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
-// Orders of meshes in memory: checks of the caller's arrays, transparency orders, and overdraw orders. In:
-// views of arrays. Out: an OrderedMesh. See pellucid/pellucid.h.
+// Implements the functions of pellucid/pellucid.h for meshes in memory: checks the caller's arrays and makes
+// transparency and overdraw orders. In: views of arrays. Out: an OrderedMesh.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -62,7 +62,7 @@ OrderSet as_order_set(const OverdrawOrders& made, const Mesh& mesh, const Overdr
   set.partition = {PartitionKind::viewpoints, options.view_level, 0};
   set.sphere = bounding_sphere(mesh);
   set.valid_from = 1;
-  set.facing = Facing::single;  // triangles as they are stored, whether or not back faces are culled
+  set.facing = Facing::single;  // no flipped copies: triangles are drawn as stored, even without culling
   set.base_sequence = made.sequence;
   set.patch_offsets = made.patch_offsets;
   for (std::uint32_t order = 0; order < made.orders.size(); ++order) {
@@ -76,8 +76,7 @@ OrderSet as_order_set(const OverdrawOrders& made, const Mesh& mesh, const Overdr
 
 }  // namespace
 
-// ---------------------------------------------------------------------------------------- the caller's
-// arrays
+// --------------------------------------------------------------------------------------- the caller's arrays
 
 PositionView::PositionView(const float* first, std::size_t vertices, std::size_t stride_bytes)
     : first_(first), size_(vertices), floats_(stride_bytes / sizeof(float)) {

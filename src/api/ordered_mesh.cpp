@@ -1,5 +1,5 @@
-// The class OrderedMesh: draw orders of one mesh as index buffers, and the selection of one of them for a
-// camera. In: an order set and its mesh. Out: index data, and answers equal to those of
+// Implements the class OrderedMesh: returns draw orders of one mesh as index buffers, and selects one of them
+// for a camera. In: an order set and its mesh. Out: index data, and the same selection as by
 // pellucid/runtime/select.h.
 #include <algorithm>
 #include <cmath>
@@ -50,19 +50,21 @@ void require_triangles_in_range(const OrderSet& orders, const Mesh& mesh) {
   for (const std::uint32_t triangle : orders.base_sequence) require_drawable(triangle);
 }
 
-// Both sides of a mesh that shows both, because back faces are culled in all orders.
+// Returns the base order as nodes from front to back. If both sides of the mesh are visible, each triangle
+// also has its flipped copy, because all orders are drawn with back faces culled.
 NodeSequence fallback_of(const OrderSet& orders) {
   NodeSequence nodes;
   for (const std::uint32_t triangle : orders.base_sequence) {
     if (orders.facing == Facing::duplicated) nodes.push_back(node_of(triangle, true));
     nodes.push_back(node_of(triangle, false));
   }
-  // The base is stored back to front where the direction matters.
+  // Base orders for transparency are stored back to front. For overdraw orders, the order above is right.
   if (orders.purpose == OrderPurpose::transparency) std::reverse(nodes.begin(), nodes.end());
   return nodes;
 }
 
-// select.h finds corners of triangles where cells are vertices: it needs one entry for each corner.
+// Appends one row of a table from view cell to order, in the numbering of select.h. If cells are vertices,
+// select.h needs one entry for each corner of each triangle.
 void append_row(const ViewPartition& partition, const std::uint32_t* row,
                 std::vector<std::uint32_t>& entries) {
   if (has_triangle_cells(partition.spec)) {
@@ -81,7 +83,7 @@ PellucidOrders make_selector(const OrderSet& orders, const std::vector<std::uint
   selector.center[1] = orders.sphere.center.y;
   selector.center[2] = orders.sphere.center.z;
   selector.radius = orders.sphere.radius;
-  // With a depth test every order is right everywhere.
+  // With a depth test, every order draws the right image at any distance.
   selector.min_distance = overdraw ? 0 : orders.valid_from;
   selector.max_distance = overdraw ? HUGE_VAL : orders.valid_to;
   selector.cell_orders = cell_orders.data();
@@ -107,7 +109,7 @@ KeyFrameArrays make_key_frames(const KeyFrameTable& table, const ViewPartition& 
   return arrays;
 }
 
-// Writes nodes, which are stored front to back.
+// Writes the vertex indices of nodes, which are stored front to back, in the given direction.
 template <class Index>
 void write_indices(const std::vector<Triangle>& triangles, const NodeSequence& nodes, SortDirection direction,
                    Index* to) {
@@ -152,7 +154,7 @@ struct OrderedMesh::Data {
     write_indices(triangles, sequence, direction, to.data());
   }
 
-  // From an answer of select.h.
+  // Converts a result of select.h.
   [[nodiscard]] DrawOrder draw_order(std::uint32_t index) const {
     if (index == PELLUCID_NO_ORDER) return {static_cast<std::uint32_t>(orders.orders.size()), true};
     return {index, false};

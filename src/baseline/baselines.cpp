@@ -1,4 +1,5 @@
-// The methods that are measured: order sets and their baselines, with what each of them costs.
+// Implements measured_method.h and the rank functions of pellucid/baseline.h: makes a MeasuredMethod, with
+// its costs, of every order set and every baseline.
 #include <meshoptimizer.h>
 
 #include <algorithm>
@@ -286,7 +287,7 @@ MeasuredMethod cache_optimized_twins(const Mesh& mesh, const OrderSet& orders, s
 namespace {
 
 // A method that sorts has a new order in each frame. Its cache statistics and counts are means over this
-// many.
+// number of orders.
 constexpr std::size_t kSortedOrders = 16;
 
 std::span<const Viewpoint> sampled(std::span<const Viewpoint> viewpoints) {

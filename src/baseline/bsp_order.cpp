@@ -1,8 +1,9 @@
-// A binary space partition of the triangles, and its walk: see pellucid/baseline.h.
+// Implements the binary space partition of pellucid/baseline.h: builds the tree from the triangles, and walks
+// it for an eye.
 //
 // Based on: Fuchs, Kedem, Naylor, "On Visible Surface Generation by A Priori Tree Structures", SIGGRAPH 1980.
 // Splitters are the planes of the polygons themselves (autopartition), chosen from a sample by few splits and
-// balance. Polygons stay convex, so that a cut makes two; they become triangles at the end.
+// balance. Polygons stay convex, so that a cut makes exactly two. They become triangles at the end.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,4 +1,5 @@
-// Measures order sets and their baselines side by side: quality, overdraw, and CPU time per frame.
+// Implements measure_subjects() of pellucid/baseline.h: measures the quality, the overdraw and the CPU time
+// per frame of order sets and their baselines.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -21,7 +22,8 @@ constexpr double kLeastPassSeconds = 2e-3;  // far above the clock's own cost
 constexpr double kLeastPassSteps = 20;      // of the clock; on Windows they are long
 constexpr int kPasses = 5;
 
-// Presorted lists get the same samples as the order set, if its cells are triangles.
+// Returns options with which presorted lists get the same samples as the order set, if its cells are
+// triangles.
 PresortedOptions presorted_options(const OrderSet* orders, std::uint32_t cache_size, Progress* progress) {
   PresortedOptions options;
   if (orders != nullptr) {

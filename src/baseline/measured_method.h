@@ -1,5 +1,5 @@
-// A method that is measured: how it draws a mesh, on which mesh, and what it costs. baselines.cpp makes these
-// methods, and measure.cpp measures them.
+// Describes a method that is measured: how it draws a mesh, which mesh, and what it costs. baselines.cpp
+// makes these methods from meshes and order sets, and measure.cpp measures them.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,5 @@
-// Overdraw orders and their baselines as methods to be measured: see pellucid/baseline.h.
+// Implements the overdraw section of pellucid/baseline.h: makes a method that can be measured of overdraw
+// orders and of each of their baselines.
 #include <meshoptimizer.h>
 
 #include <algorithm>
@@ -50,8 +51,8 @@ MeasuredOverdrawMethod per_frame_orders(const OverdrawSubject& subject, const Ov
   return method;
 }
 
-// Uses the least threshold that has at least options.acmr misses per triangle. So the baseline has as much
-// freedom to reorder triangles as the orders that it is compared with, or more.
+// Makes the baseline "meshopt" with the least threshold that leads to at least options.acmr misses per
+// triangle. So the baseline may reorder triangles at least as freely as the orders that it is compared with.
 MeasuredOverdrawMethod meshopt_baseline(const OverdrawSubject& subject,
                                         const OverdrawBaselineOptions& options) {
   const std::uint32_t cache = options.orders.cache_size;

@@ -1,5 +1,5 @@
-// Orders made anew for one viewpoint: the sort by centroid that a viewer does in every frame, and the best
-// order that is found for a single view. See pellucid/baseline.h.
+// Implements the orders of pellucid/baseline.h for one viewpoint: the sort by centroids, which a viewer
+// repeats in every frame, and the best order of a single view.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,7 +22,7 @@ constexpr unsigned kDigitPasses = 3;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 constexpr unsigned kKeyShift = 32;  // the key is the upper half
 
-// Floats in the order of their bits as unsigned numbers.
+// Returns an unsigned number for a float. The numbers have the same order as the floats.
 std::uint32_t ordered_bits(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;

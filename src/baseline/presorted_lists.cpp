@@ -1,4 +1,5 @@
-// Depth-presorted triangle lists for all view regions, and their run time: see pellucid/baseline.h.
+// Implements the depth-presorted triangle lists of pellucid/baseline.h: builds a list for every view region,
+// and selects and walks a list in a frame.
 //
 // Based on: Chen, Sander, Nehab, Yang, Hu, "Depth-Presorted Triangle Lists", ACM TOG 31(6), 2012, as far as
 // Han et al., "In-Depth Buffers", 2018, sections 1 and 7, describe it: view regions, one list for each region
@@ -31,7 +32,7 @@ constexpr float kLeastOcclusion = 1e-6F;
 // Viewpoints of a region are numbered in 16 bits.
 constexpr std::size_t kMostViews = 65535;
 
-// Evenly spread directions: a Fibonacci spiral.
+// Returns directions that are spread evenly over the sphere, on a Fibonacci spiral.
 std::vector<Vec3d> spiral_directions(std::uint32_t count) {
   std::vector<Vec3d> directions;
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -107,7 +108,7 @@ class ListBuilder {
     result.lists.push_back(std::move(region.list));
   }
 
-  // False: more edges than max_edges.
+  // Finds the occlusions of a region. Returns false if there are more than max_edges, or too many viewpoints.
   bool find_occlusions(const std::vector<std::uint32_t>& cells, RegionProblem& problem) {
     std::vector<std::uint32_t> samples;
     for (const std::uint32_t cell : cells) {

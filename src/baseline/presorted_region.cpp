@@ -1,4 +1,4 @@
-// One depth-presorted list: see presorted_region.h.
+// Implements presorted_region.h: makes the depth-presorted list of one view region by sifting and splitting.
 #include "baseline/presorted_region.h"
 
 #include <algorithm>

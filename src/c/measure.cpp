@@ -1,4 +1,5 @@
-// Measure orders, through the C interface.
+// Implements the functions of the C interface that measure orders: vertex cache, blending and overdraw. In:
+// what C passes. Out: structures with ratios.
 #include <numeric>
 
 #include "c/wrapper.h"
@@ -20,7 +21,7 @@ std::uint32_t order_for(const PellucidOrders& selector, const Vec3d& direction) 
   return pellucid_order_of_cell(&selector, pellucid_find_cell(&selector, d));
 }
 
-// Returns the ranks of both facings of the triangles, which are drawn back to front.
+// Returns the ranks of both facings of triangles that are listed back to front.
 std::vector<std::uint32_t> ranks_from_back(const std::vector<std::uint32_t>& triangles, std::size_t count) {
   std::vector<std::uint32_t> ranks(2 * count, kNoRank);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -86,8 +87,8 @@ PellucidBlendQuality measure_blending(const PellucidMesh* given, const PellucidO
   return {quality.ipr_mean, quality.ipr_max, quality.psnr_mean, quality.psnr_min};
 }
 
-// Ranks of all triangles in every order of a set; in the order in which they are stored, without one. Orders
-// of files may leave triangles out.
+// Returns the ranks of all triangles in every order of a set, or in the stored order if `set` is null. Orders
+// from files may leave triangles out.
 std::vector<std::vector<std::uint32_t>> overdraw_ranks(const PellucidOrderSet* set, std::size_t triangles) {
   std::vector<std::vector<std::uint32_t>> ranks;
   if (set == nullptr) {
@@ -109,7 +110,7 @@ void require_valid(const PellucidOrderSet* set, const PellucidPoses* poses, cons
   if (set == nullptr) return;
   require(set->mesh.orders().purpose == OrderPurpose::overdraw,
           "these are transparency orders: pellucid_measure_blending() is for them");
-  // Poses of a program are one animation; files may have more.
+  // The poses that a program passes make one animation; a file may have more.
   const OrderSet& orders = set->mesh.orders();
   const std::size_t frames = orders.animations.size() == 1 ? orders.animations.front().times.size() : 0;
   require(poses == nullptr || poses->frame_count == frames, "the orders are not of these poses");

@@ -1,4 +1,5 @@
-// Model files, through the C interface.
+// Implements the functions of the C interface for model files: reads and writes them, and describes their
+// primitives. In: what C passes. Out: the same as the functions of pellucid/pellucid.h.
 #include <algorithm>
 
 #include "c/wrapper.h"

@@ -1,4 +1,5 @@
-// Orders of meshes, and what is in them, through the C interface.
+// Implements the functions of the C interface that make orders of meshes and return their contents. In: what
+// C passes. Out: handles of order sets, and their indices, selectors and statistics.
 #include <memory>
 
 #include "c/wrapper.h"
@@ -65,14 +66,13 @@ std::unique_ptr<PellucidOrderSet> overdraw(const PellucidMesh* given, const Pell
       mesh, overdraw_options(options, progress.pointer()), frames, facing_of(options.facing))});
 }
 
-// ---------------------------------------------------------------------------------------------- what is in
-// an order
+// ---------------------------------------------------------------------------------- contents of an order set
 
-// Unlike the front door's fallback, that of C holds every triangle once, as it is stored.
+// Writes the fallback. Unlike the fallback of OrderedMesh, it contains every triangle once, as it is stored.
 template <class Index>
 void copy_fallback(const OrderedMesh& mesh, SortDirection direction, Index* to) {
   std::vector<std::uint32_t> triangles = mesh.orders().base_sequence;
-  // It is stored back to front where the direction matters.
+  // Base orders for transparency are stored back to front; those for overdraw are only drawn front to back.
   if (mesh.orders().purpose == OrderPurpose::transparency && direction == SortDirection::front_to_back)
     std::reverse(triangles.begin(), triangles.end());
   for (const std::uint32_t triangle : triangles) {

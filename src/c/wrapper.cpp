@@ -1,5 +1,5 @@
-// What all functions of the C interface share: errors and version, views of the caller's arrays, and
-// progress.
+// Implements wrapper.h, which all functions of the C interface share: errors and version, views of the
+// caller's arrays, and progress.
 #include "c/wrapper.h"
 
 #include <new>
@@ -9,7 +9,7 @@
 namespace pellucid::c {
 namespace {
 
-// Short enough to need no allocation when memory has run out.
+// An array instead of a string, because it must not need memory when memory has run out.
 thread_local char last_error[1024] = "";
 
 constexpr std::chrono::milliseconds kProgressInterval{20};
@@ -61,8 +61,7 @@ PellucidStatus fail_with_current_exception() noexcept {
   }
 }
 
-// ---------------------------------------------------------------------------------------- the caller's
-// arrays
+// --------------------------------------------------------------------------------------- the caller's arrays
 
 IndexView view_of_indices(const void* indices, std::uint32_t index_bytes, std::uint64_t count) {
   require(index_bytes == 2 || index_bytes == 4, "index_bytes must be 2 or 4");
@@ -105,7 +104,7 @@ void CallbackProgress::begin(std::string_view name, std::uint64_t total) {
 
 void CallbackProgress::advance(std::uint64_t amount) {
   done_ += amount;
-  // A thread that finds the lock taken leaves the call to the thread that holds it.
+  // If another thread holds the lock, it is calling the caller's function now. Do not wait for it.
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (lock.owns_lock() && std::chrono::steady_clock::now() - last_told_ >= kProgressInterval) tell();
 }

@@ -1,5 +1,5 @@
-// Internal to the C interface (pellucid/c/pellucid.h): the handles, errors as a status, options and arrays of
-// the caller, and progress. In: what C passes. Out: what the front door (pellucid/pellucid.h) takes.
+// Converts between the C interface (pellucid/c/pellucid.h) and C++: handles, errors, options, arrays and
+// progress. In: what C passes. Out: what the functions of pellucid/pellucid.h take.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,7 @@ PellucidStatus guarded(const Body& body) noexcept {
   }
 }
 
-// Throws Error{bad_argument}.
+// Throws Error{bad_argument} with the text `otherwise` unless `holds` is true.
 inline void require(bool holds, const char* otherwise) {
   if (!holds) throw Error(ErrorKind::bad_argument, otherwise);
 }
@@ -67,14 +67,14 @@ void copy_out(const Structure& from, Structure* to, std::size_t size) {
   std::memcpy(static_cast<void*>(to), &from, std::min(size, sizeof from));
 }
 
-// Views of the caller's arrays. They throw Error{bad_argument} for what is missing.
+// Return views of the caller's arrays. They throw Error{bad_argument} for arrays that are missing.
 MeshView view_of(const PellucidMesh* mesh);
 IndexView view_of_indices(const void* indices, std::uint32_t index_bytes, std::uint64_t count);
 std::vector<Pose> poses_of(const PellucidMesh& mesh, const PellucidPoses* poses);  // null: none
 Facing facing_of(PellucidFacing facing);
 
-// Passes progress on to the caller's function. Work reports from many threads, and often; the caller is
-// called by one thread at a time, and only now and then.
+// Passes progress on to the caller's function. The library reports often and from many threads, but the
+// caller's function is called by one thread at a time, and at most every 20 ms within a stage.
 class CallbackProgress final : public Progress {
  public:
   explicit CallbackProgress(const PellucidRun& run) : run_(run) {}
@@ -83,11 +83,11 @@ class CallbackProgress final : public Progress {
   void advance(std::uint64_t amount) override;
   [[nodiscard]] bool stop_requested() const override { return stopped_; }
 
-  // Returns what the options of the library take: null where the caller has no function.
+  // Returns this object, or null if the caller has no function, as the options of the library take it.
   [[nodiscard]] Progress* pointer() { return run_.progress == nullptr ? nullptr : this; }
 
  private:
-  void tell();  // with the lock held
+  void tell();  // calls the caller's function; requires the lock
 
   PellucidRun run_;
   std::mutex mutex_;

@@ -1,5 +1,5 @@
-// Differences of two images: PSNR, flicker, structural similarity, colour distance.
-// Implements the last section of pellucid/metric.h.
+// Implements the last section of pellucid/metric.h: measures the differences of two images by PSNR, flicker,
+// structural similarity and colour distance.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -148,7 +148,7 @@ Values product(const Values& a, const Values& b) {
   return out;
 }
 
-// CIELAB of linear sRGB under D65.
+// Returns the CIELAB colour of a linear sRGB colour, with the white point D65.
 std::array<double, 3> lab_of(double r, double g, double b) {
   const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
   const double x = f((0.4124564 * r + 0.3575761 * g + 0.1804375 * b) / 0.950470);

@@ -1,5 +1,5 @@
-// Measures IPR and PSNR of methods over many viewpoints (In-Depth Buffers, section 7). Every frame is
-// rasterised once for all methods.
+// Implements measure_order_quality() of pellucid/metric.h: measures IPR and PSNR of methods over many
+// viewpoints (In-Depth Buffers, section 7). Every frame is rasterised once for all methods.
 #include <algorithm>
 #include <cmath>
 
@@ -78,8 +78,8 @@ std::vector<MethodQuality> measure_order_quality(const Mesh& mesh, std::span<con
     rasterize(shaded, camera, raster, buffer);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       std::vector<std::uint32_t> ranks;
-      // Isolated, because parallel work inside `ranks` must not begin another frame on the buffer of this
-      // thread.
+      // Isolate the call, because parallel work inside `ranks` must not begin another frame, which would
+      // overwrite the buffer of this thread.
       run_isolated([&] { ranks = methods[m].ranks(viewpoints[i]); });
       qualities[m].frames[i] = frame_error(shaded, camera, buffer, ranks, options.shading);
     }

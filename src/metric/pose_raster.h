@@ -14,12 +14,12 @@ namespace pellucid {
 
 // A view of one pose.
 struct OverdrawView {
-  std::uint32_t frame = 0;
-  std::uint32_t cell = 0;  // vertex of the icosphere; unused for random viewpoints
+  std::uint32_t frame = 0;  // the pose: index into OverdrawSubject::frames
+  std::uint32_t cell = 0;   // vertex of the icosphere; unused for random viewpoints
   Viewpoint viewpoint;
 };
 
-// Draws poses of a subject. One per thread.
+// Draws poses of a subject. Use one object per thread.
 class PoseRaster {
  public:
   PoseRaster(const OverdrawSubject& subject, std::span<const BoundingSphere> spheres, std::uint32_t size);

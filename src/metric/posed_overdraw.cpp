@@ -1,5 +1,6 @@
-// Measures overdraw by brute force: rasterises every frame and counts the fragments that pass the depth test.
-// It knows nothing of patches, so that it checks what the module `overdraw` counts.
+// Implements the overdraw functions of pellucid/metric.h, and pose_raster.h: rasterises every frame and
+// counts the fragments that pass the depth test. It does not use patches, so it is an independent check of
+// the counts of the module `overdraw`.
 #include <algorithm>
 
 #include "base/parallel.h"
@@ -19,8 +20,8 @@ OverdrawStatistics measure_overdraw(const Mesh& mesh, std::span<const Viewpoint>
   parallel_loop(std::size_t{0}, viewpoints.size(), [&](std::size_t i) {
     FragmentBuffer& buffer = buffers.local();
     rasterize(mesh, look_at_sphere(sphere, viewpoints[i], size, size), {Culling::back}, buffer);
-    // Isolated, because parallel work inside `choose` must not begin another frame on the buffer of this
-    // thread.
+    // Isolate the call, because parallel work inside `choose` must not begin another frame, which would
+    // overwrite the buffer of this thread.
     std::vector<std::uint32_t> ranks;
     run_isolated([&] { ranks = ranks_of(choose(viewpoints[i]), mesh.triangles.size()); });
     const std::size_t pixels = std::size_t{size} * size;

@@ -1,5 +1,5 @@
-// What a pixel's fragments look like, which pixels of a frame are in a wrong order, and the images of a
-// frame. Implements pellucid/shading.h and the image functions of pellucid/metric.h.
+// Implements pellucid/shading.h and the image functions of pellucid/metric.h: shades and blends fragments,
+// finds the pixels of a frame that are in a wrong order, and makes images.
 #include "pellucid/shading.h"
 
 #include <algorithm>
@@ -170,8 +170,8 @@ void put_in_drawn_order(std::vector<ShadedFragment>& fragments, std::span<const 
 
 bool pixel_in_order(std::span<const Fragment> fragments, std::span<const std::uint32_t> ranks) {
   // Every fragment must come after all that are nearer by more than a tie.
-  std::size_t nearer = 0;            // of these, the count seen so far
-  std::uint32_t highest_nearer = 0;  // and their highest rank, plus one
+  std::size_t nearer = 0;            // how many of the nearer fragments have been seen so far
+  std::uint32_t highest_nearer = 0;  // the highest rank of these, plus one
   for (const Fragment& fragment : fragments) {
     const std::uint32_t rank = ranks[fragment.node];
     if (rank == kNoRank) return false;

@@ -1,4 +1,4 @@
-// Measures the errors of orders in images: see validation.h.
+// Implements validation.h: rasterises held-out viewpoints and compares the orders with the exact order.
 #include "metric/validation.h"
 
 #include <algorithm>

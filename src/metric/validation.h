@@ -1,6 +1,5 @@
-// Measures the errors of an order set in images, over viewpoints that were not used to make the orders.
-// In: a mesh, the order of every view cell, and the range of distances that the orders are declared for. Out:
-// the mean errors.
+// Measures the errors of an order set in images, over held-out viewpoints. In: a mesh, the order of every
+// view cell, and the valid range of the orders. Out: the mean errors.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@ struct ValidRange {
   double from, to;
 };
 
-// Means over the validation viewpoints.
+// Mean errors over the held-out viewpoints.
 struct OrderError {
   double ipr = 0;       // share of the covered pixels that are in a wrong order
   double psnr = -1;     // dB; -1: not measured
@@ -39,8 +38,8 @@ struct ValidationOptions {
 ValidationOptions held_out_viewpoints(const ValidRange& range, bool front_only, std::uint64_t seed,
                                       const Progress* progress);
 
-// Measures the errors when every view is drawn in the order of its cell. `cluster_of`: the order of every
-// cell. `ranks`: for each order the ranks of all nodes. O(viewpoints * raster).
+// Measures the errors when every view is drawn in the order of its cell. `cluster_of` has the order of every
+// cell, and `ranks` has for each order the ranks of all nodes. Takes O(viewpoints * raster).
 OrderError measure_order_error(const Mesh& mesh, const BoundingSphere& sphere, const ViewPartition& partition,
                                const std::vector<std::uint32_t>& cluster_of,
                                const std::vector<std::vector<std::uint32_t>>& ranks,

@@ -1,4 +1,5 @@
-// Compact patches: see compact_patches.h.
+// Implements compact_patches.h: joins small patches under a rising price per cache miss, and moves triangles
+// between neighbouring patches.
 #include "overdraw/compact_patches.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 namespace pellucid {
 namespace {
 
-// Triangles of the first patches.
+// The number of triangles of a patch at the start.
 constexpr double kFirstSize = 6;
 // The largest patches have this many triangles times the square of the cache size. Wider rows do not fit into
 // the cache.
@@ -170,7 +171,7 @@ class CompactPatches {
       for (const std::uint32_t triangle : links_.around(vertex)) at_vertex.push_back(patch_of_[triangle]);
       std::sort(at_vertex.begin(), at_vertex.end());
       at_vertex.erase(std::unique(at_vertex.begin(), at_vertex.end()), at_vertex.end());
-      // Of a vertex that very many patches share, some pairs are enough.
+      // If very many patches share a vertex, only some of their pairs are tried.
       constexpr std::size_t kMostAtVertex = 16;
       for (std::size_t i = 0; i < at_vertex.size(); ++i) {
         for (std::size_t j = i + 1; j < std::min(at_vertex.size(), i + kMostAtVertex); ++j)
@@ -257,8 +258,8 @@ class CompactPatches {
     std::vector<std::uint32_t> places;
     std::size_t own = 0;  // the depth at which the triangle lies
 
-    // Returns twice the number of fragments that are shaded if the triangle is at this place. Of two
-    // fragments of one patch, the nearer one is drawn first in half of the cases.
+    // Returns twice the number of fragments that are shaded if the triangle is at this place. The number is
+    // doubled because the nearer one of two fragments of a patch is drawn first in half of the cases.
     [[nodiscard]] std::int64_t shaded_twice(std::uint32_t place) const {
       std::int64_t shaded = 0;
       std::uint32_t first = MeshLinks::kNone;

@@ -26,8 +26,8 @@ struct CompactOptions {
   std::function<std::vector<std::uint32_t>(const Patches& patches)> first_ranks;
 };
 
-// `lists`: made with every triangle as a patch of its own, with the same numbers. Returns nothing if the
-// target cannot be reached. Deterministic for any number of threads.
+// Makes compact patches from the `lists` of single_triangles(), in which patch t is triangle t. Returns
+// nothing if the target cannot be reached. Deterministic for any number of threads.
 std::optional<OrderedPatches> compact_patches(const OverdrawSubject& subject, const LayerLists& lists,
                                               const CompactOptions& options);
 

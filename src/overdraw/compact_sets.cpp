@@ -1,4 +1,4 @@
-// Compact sets of triangles, and short runs through them: see compact_sets.h.
+// Implements compact_sets.h: grows compact sets of triangles from seeds, and finds short runs through them.
 #include "overdraw/compact_sets.h"
 
 #include <algorithm>
@@ -64,7 +64,7 @@ MeshLinks::MeshLinks(const OverdrawSubject& subject)
 namespace {
 
 constexpr int kGrowths = 6;
-constexpr std::uint64_t kTrials = 100;  // of moving a triangle, each
+constexpr std::uint64_t kTrials = 100;  // how often the move of a triangle is tried, per triangle
 // Sizes stay within these multiples of the requested size.
 constexpr double kLeast = 0.5, kMost = 1.5;
 

@@ -1,4 +1,4 @@
-// Lists of patches behind pixels: see layer_lists.h.
+// Implements layer_lists.h: rasterises views and collects the distinct lists of the patches at their pixels.
 #include "overdraw/layer_lists.h"
 
 #include <algorithm>

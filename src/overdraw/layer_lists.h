@@ -1,5 +1,6 @@
-// Stores the list of patches behind every pixel of every view, each distinct list once. In: the poses of a
-// subject, its patches, and views. Out: LayerLists, on which overdraw_costs.h counts.
+// Stores the list of the patches at every pixel of every view, from front to back, each distinct list once.
+// In: the poses of a subject, its patches, and views. Out: LayerLists, from which overdraw_costs.h counts
+// overdraw.
 //
 // A fragment is shaded if and only if nothing as near or nearer was drawn before it. So the fragments that
 // are shaded for a pixel are the prefix minima of the ranks of its fragments, front to back. A patch draws
@@ -20,7 +21,7 @@
 
 namespace pellucid {
 
-// A patch behind a pixel. The highest bit is set if it is as near as the layer before it.
+// A patch at a pixel. The highest bit is set if it has the same depth as the layer before it.
 using Layer = std::uint32_t;
 constexpr Layer kTieBit = 0x80000000U;
 constexpr std::uint32_t patch_of_layer(Layer layer) {
@@ -72,12 +73,14 @@ struct ListOptions {
   double share = 1;          // share of the pixels that are stored, chosen at random
   Progress* progress = nullptr;
 };
-// Rasterises every view once. O(views * raster); memory: the pool and 8 bytes per use.
+// Rasterises every view once and returns its lists. Takes O(views * raster) time, and memory for the pool and
+// 8 bytes per use of a list.
 LayerLists list_layers(const OverdrawSubject& subject, std::span<const BoundingSphere> spheres,
                        const Patches& patches, std::span<const OverdrawView> views,
                        const ListOptions& options);
 
-// Returns the lists after patches were joined with their successors. `patch_of`: by old patch the new one.
+// Returns the lists after patches were joined with their successors. `patch_of` has the new patch of every
+// old patch.
 LayerLists joined_lists(const LayerLists& lists, std::span<const std::uint32_t> patch_of);
 // Returns the lists of patches, made from the lists of single triangles.
 LayerLists lists_of_patches(const LayerLists& lists, const PatchPlaces& places);

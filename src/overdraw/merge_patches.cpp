@@ -1,4 +1,4 @@
-// Joining patches: see merge_patches.h.
+// Implements merge_patches.h: joins consecutive patches in batches, and improves the orders after each batch.
 #include "overdraw/merge_patches.h"
 
 #include <algorithm>
@@ -74,11 +74,10 @@ std::vector<double> misses_saved(const OverdrawSubject& subject, const Patches& 
   return saved;
 }
 
-// Returns the cost for a cluster of drawing a patch directly before its successor. One of the two moves to
-// the other.
+// The cost for a cluster of drawing a patch directly before its successor. One of the two moves to the other.
 struct JoinCost {
   double excess = 0;     // kOverdrawUnit, summed over views
-  bool at_first = true;  // cheaper where the patch is than where its successor is
+  bool at_first = true;  // it is cheaper to move the successor to the patch than the patch to its successor
 };
 
 std::vector<JoinCost> join_costs(const OrderedPatches& ordered, std::uint32_t cluster) {

@@ -4,8 +4,8 @@
 // The paper ends a patch as soon as it has used the cache well enough. Here the cache-friendly order is cut
 // into far smaller patches. Their orders show which of them must stay apart. The others are joined with their
 // successors, the least overdraw per saved cache miss first, until the cache misses are down to the limit.
-// (Tried and worse: joins of any two patches that share vertices, with or without a new order of the joined
-// triangles. Cutting again and joining again gained 2 %. See docs/overdraw.md.)
+// (Joins of any two patches that share vertices were tried, with and without a new order of the joined
+// triangles, and were worse. Cutting again and joining again gained 2 %. See docs/overdraw.md.)
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// Computes the overdraw orders of posed meshes: order_overdraw() and cheapest_orders() of
-// pellucid/overdraw.h.
+// Implements order_overdraw() and cheapest_orders() of pellucid/overdraw.h: makes patches, lists the layers
+// of the training views, finds orders, and chooses one for every view.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -55,14 +55,14 @@ double distance_of(const OverdrawOptions& options, std::uint32_t frame, std::uin
   return options.min_distance + (options.max_distance - options.min_distance) * place;
 }
 
-// Returns whether the i-th of `all` items is among about `most` items that are spread evenly.
+// Returns whether item i of `all` items belongs to an evenly spread selection of about `most` items.
 bool among(std::uint64_t i, std::uint64_t all, std::uint64_t most) {
   double whole = 0;
   const double place = std::modf(0.6180339887498949 * static_cast<double>(i), &whole);
   return all <= most || place * static_cast<double>(all) < static_cast<double>(most);
 }
 
-// Smaller images are enough to find the cheapest of a few orders.
+// Returns options for smaller images, which are enough to find the cheapest of a few orders.
 ListOptions choice_options(const OverdrawOptions& options) {
   return {std::max(options.size / 2, 64U), 1, options.progress};
 }
@@ -310,7 +310,8 @@ class OverdrawOrderer {
     return true;
   }
 
-  // One pose is cheap.
+  // Returns the number of sweeps in intermediate steps. A single pose is cheap, so it gets as many as in the
+  // last step.
   [[nodiscard]] std::uint32_t first_sweeps() const {
     return subject_.frames.size() == 1 ? kLastSweeps : kFirstSweeps;
   }

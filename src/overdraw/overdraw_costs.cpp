@@ -1,4 +1,4 @@
-// Overdraw on stored lists: see overdraw_costs.h.
+// Implements overdraw_costs.h: counts shaded fragments on stored lists, and improves orders by sifting.
 #include "overdraw/overdraw_costs.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
-// Ranks of one patch under up to this many orders are compared at once.
+// The number of orders whose ranks are compared at once.
 constexpr std::size_t kLanes = 8;
 using RankRow = std::array<std::uint32_t, kLanes>;
 
@@ -161,7 +161,7 @@ void LayerRows::gather(std::span<const Layer> list, NodeId patch, std::int64_t w
   constexpr double kBehindAll = std::numeric_limits<double>::infinity();
   double first = kBehindAll;  // the first drawn of all nearer layers but the patch's own
   NodeId first_patch = kNever;
-  bool met = false;  // a layer of the patch was passed
+  bool met = false;  // true once a layer of the patch has been passed
   for (std::size_t i = 0; i < list.size();) {
     bool own = false;
     double group = kBehindAll;

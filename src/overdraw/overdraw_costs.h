@@ -55,7 +55,7 @@ class LayerRows {
   const ListPool& pool_;
   std::span<const WeightedList> weighted_;
   std::span<const std::uint32_t> patch_parts_;
-  std::vector<std::pair<double, double>> rooms_;  // by part
+  std::vector<std::pair<double, double>> rooms_;  // by part: the ranks between which its patches may move
   std::vector<std::uint64_t> offsets_;            // patches + 1
   std::vector<std::uint32_t> lists_of_;           // indices into weighted_, by patch
   std::vector<std::int64_t> sums_;                // by patch, of the current row

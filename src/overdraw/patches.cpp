@@ -1,4 +1,4 @@
-// Patches: see patches.h.
+// Implements patches.h: cuts and joins patches, and makes orders for the vertex cache.
 #include "overdraw/patches.h"
 
 #include <algorithm>

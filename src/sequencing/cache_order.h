@@ -2,7 +2,7 @@
 // order should respect, and an order that respects them. Out: an order of the same nodes that uses the vertex
 // cache better.
 //
-// Follows section 4 of: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018. There are two
+// Based on: section 4 of Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018. There are two
 // methods. The paper uses tipsify under constraints. The other method is list scheduling, followed by a local
 // search, which is repeated without the lightest constraints as long as the violated weight stays within a
 // given slack.

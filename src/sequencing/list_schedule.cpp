@@ -1,9 +1,9 @@
 // Implements list scheduling for the vertex cache: of all nodes that may be drawn next, it draws the one with
 // the best score.
 //
-// After: list scheduling of instructions under register pressure, with a score as in Forsyth, "Linear-Speed
-// Vertex Cache Optimisation", 2006. Differs in: a simulated first-in first-out cache, a set of ready nodes,
-// and the height of a node, which is the longest chain of followers that wait for it.
+// Based on: list scheduling of instructions under register pressure, with a score as in Forsyth,
+// "Linear-Speed Vertex Cache Optimisation", 2006. Differs in: a simulated first-in first-out cache, a set of
+// ready nodes, and the height of a node, which is the longest chain of followers that wait for it.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
-// Computes the in-depth buffers of a mesh: the implementation of order_mesh() and order_frontier() in
-// pellucid/transparency.h. This file calls the steps in their order; each step has a file of its own:
+// Implements order_mesh() and order_frontier() of pellucid/transparency.h: computes the in-depth buffers of a
+// mesh. This file calls the steps in their order; each step has a file of its own:
 //
 //   1. simplify a large mesh, and a mesh for the search            pellucid/mesh.h
 //   2. find the occlusion graph of every view cell                 order_problem.h, graph/occlusion_graph.h
@@ -82,7 +82,8 @@ std::uint32_t count_cyclic_cells(const OcclusionGraph& graph) {
   return static_cast<std::uint32_t>(std::count(cyclic.begin(), cyclic.end(), 1));
 }
 
-// A mesh that is hardly larger than the coarse one is searched as it is.
+// Returns whether the search needs a simpler mesh. A mesh that is hardly larger than the coarse one is
+// searched as it is.
 bool needs_simpler_mesh(const Mesh& mesh) {
   return mesh.triangles.size() > kCoarseTriangles * 3 / 2;
 }
@@ -332,7 +333,7 @@ class Orderer {
           }
         },
         Partitioner::simple);
-    // Weight that the cells cannot avoid, their clusters cannot avoid either.
+    // The clusters cannot avoid any weight that their cells cannot avoid.
     OrderStatistics& statistics = result_.statistics;
     statistics.violated_floor = share_of_weight(unavoidable_in_cells(problem.graph, clustering));
     statistics.violated_bound =

@@ -1,4 +1,4 @@
-// The problem that clusters are made for, and the base order: see order_problem.h.
+// Implements order_problem.h: builds the problem that clusters are made for, and makes the base order.
 #include "transparency/order_problem.h"
 
 #include <meshoptimizer.h>

@@ -1,6 +1,5 @@
-// The problem that the clustering methods work on: one mesh, its view partition and its occlusion graph.
-// Also the range of distances that orders are valid for, the nodes that a set of cells can see, and the base
-// order.
+// Builds the problem that the clustering methods work on: one mesh, its view partition and its occlusion
+// graph. Also computes the valid range of orders, the nodes that a set of cells can see, and the base order.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +31,8 @@ ValidRange valid_range(PartitionKind kind, const std::vector<double>& distances)
 // Returns the distances of the viewpoints of which T[n] and R[n] know all occlusions.
 ValidRange solid_range(PartitionKind kind, const std::vector<double>& distances);
 
-// Returns one flag per node: can some of the cells see it from a distance within `range`? Conservative: a
-// node that can be seen is never left out.
+// Returns one flag per node that says whether some of the cells can see it from a distance within `range`.
+// Conservative: a node that can be seen is never left out.
 std::vector<std::uint8_t> visible_nodes(const OrderProblem& problem, const std::vector<std::uint32_t>& cells,
                                         const ValidRange& range, Facing facing);
 

@@ -1,4 +1,4 @@
-// Keeps the results of finished steps: see run_records.h.
+// Implements run_records.h: computes the identity of a run and stores its records.
 #include "transparency/run_records.h"
 
 #include <string_view>
@@ -8,8 +8,8 @@
 namespace pellucid {
 namespace {
 
-// Must be raised when a step computes something else, or when its record has another form, within one
-// version.
+// Must be raised if, within one version of pellucid, a step computes something else or its record has another
+// form.
 constexpr std::uint32_t kRecordsFormat = 3;
 
 std::vector<std::byte> bytes_of_options(const OrderOptions& options) {

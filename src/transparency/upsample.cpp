@@ -1,4 +1,5 @@
-// From the order of a simplified mesh to an order of the full one: see upsample.h.
+// Implements upsample.h: carries orders from a simplified mesh to the full one, repairs them by sifting nodes
+// that are in a wrong order, and arranges them for the vertex cache.
 #include "transparency/upsample.h"
 
 #if PELLUCID_EMBREE_VERSION == 4

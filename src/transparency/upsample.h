@@ -50,7 +50,7 @@ std::uint32_t refine_window(std::uint64_t node_count);
 
 // Improves `ranks` (one permutation of the nodes per cluster) in place. Returns for every cluster the edges
 // that agree with the final ranks and span less than refine_window() of them; these bind windowed_sequence().
-// O((2 rounds + 1) * samples * (pixels + triangles)); memory: the edges of one pass, 16 bytes each.
+// Takes O((2 rounds + 1) * samples * (pixels + triangles)) time, and 16 bytes for each edge of one pass.
 std::vector<EdgeRows> refine_orders(const Mesh& mesh, const BoundingSphere& sphere,
                                     const PartitionSpec& partition,
                                     const std::vector<std::uint32_t>& cluster_of,

@@ -1,7 +1,7 @@
 /* pellucid/c/pellucid.h - the C interface of pellucid, for C99 and for every language that can call C.
  *
  * In: triangle meshes as arrays, or model files. Out: order sets, each of which is a few draw orders of a
- * mesh and the table that says which of them to draw for which camera. It wraps the C++ front door,
+ * mesh and the table that says which of them to draw for which camera. It wraps the C++ interface,
  * pellucid/pellucid.h. Link libpellucid.so (CMake: find_package(pellucid COMPONENTS c), pellucid::c;
  * pkg-config: pellucid-c). docs/c-api.md is the guide.
  *
@@ -17,9 +17,10 @@
  *   Ownership  Arrays that you pass are copied and remain yours. Each handle is freed by its
  *              pellucid_free_*() function, together with everything that belongs to the handle. Freeing
  *              null does nothing.
- *   Options    Call the init function first, then change members. Null means all defaults. The size that
- *              the init function takes is `sizeof` the structure: a program keeps working with later
- *              libraries, whose structures may have more members at the end.
+ *   Options    Call the init function first, then change members. A comment names the default of its
+ *              member. A null pointer to options means all defaults. The size that the init function
+ *              takes is `sizeof` the structure: a program keeps working with later libraries, whose
+ *              structures may have more members at the end.
  *   Threads    All functions may be called from several threads at once. An order set never changes, so
  *              threads may share it. Several threads may read a model while no thread changes it.
  *   Results    The same input, options and seed give the same result, for any number of threads.
@@ -51,7 +52,7 @@ extern "C" {
 
 typedef enum PellucidStatus {
   pellucid_ok = 0,
-  pellucid_bad_argument = 1,  /* the call makes no sense: null, out of range, contradicting options */
+  pellucid_bad_argument = 1,  /* an argument is null or out of range, or options contradict each other */
   pellucid_bad_input = 2,     /* a file is missing, truncated, damaged, or not what it claims to be */
   pellucid_nothing_to_do = 3, /* the input is valid, but has no triangle, or no orders */
   pellucid_cannot_write = 4,  /* no permission, disk full */
@@ -69,23 +70,24 @@ PELLUCID_API const char* pellucid_version(void);
 
 /* ---------------------------------------------------------------------------------------------- progress */
 
-/* A function of yours that a long call calls at the beginning of every stage, and then at most every 20
- * ms. It may be called from any thread, but never from two at once. `stage` is valid during the call only.
- * `total` is 0 where the amount of work is not known. Return 0 to go on; any other value ends the long
- * call soon with pellucid_cancelled. The function must not throw or jump out. */
+/* The type of your progress function. A long call calls it at the beginning of every stage, and then at
+ * most every 20 ms. It may be called from any thread, but never from two at once. `stage` is valid during
+ * the call only. `total` is 0 if the amount of work is not known. Return 0 to go on; any other value ends
+ * the long call soon with pellucid_cancelled. The function must not throw and must not call longjmp(). */
 typedef int (*PellucidProgress)(void* user, const char* stage, uint64_t done, uint64_t total);
 
 /* Part of the options of every long call. */
 typedef struct PellucidRun {
-  PellucidProgress progress; /* null: none */
+  PellucidProgress progress; /* default null: progress is not reported */
   void* user;                /* is passed to `progress` */
-  uint32_t threads;          /* 0: one per core. The limit holds for the whole process during the call */
+  uint32_t threads;          /* default 0: one per core; limits the whole process during the call */
 } PellucidRun;
 
 /* ------------------------------------------------------------------------------------------------ meshes */
 
-/* Transparency orders leave out triangles that draw nothing: an index >= vertex_count, a corner that is
- * NaN or infinite, or no area. Overdraw orders hold all triangles, and indices out of range are refused. */
+/* A mesh. Transparency orders leave out triangles that draw nothing: those with an index >= vertex_count,
+ * with a corner that is NaN or infinite, or without area. Overdraw orders contain all triangles, and an
+ * index out of range is an error. */
 typedef struct PellucidMesh {
   const float* positions; /* x y z of every vertex */
   uint32_t vertex_count;
@@ -106,7 +108,7 @@ typedef enum PellucidMethod {
 } PellucidMethod;
 
 typedef enum PellucidFacing {
-  /* Both sides are visible. Orders hold flipped copies of triangles: draw them with back faces culled. */
+  /* Both sides are visible. Orders contain flipped copies of triangles: draw them with back faces culled. */
   pellucid_facing_duplicated = 0,
   pellucid_facing_single = 1 /* only front faces are visible: draw with back faces culled */
 } PellucidFacing;
@@ -114,23 +116,26 @@ typedef enum PellucidFacing {
 typedef struct PellucidOrderOptions {
   size_t struct_size; /* set by init */
   PellucidRun run;
-  PellucidMethod method; /* budget */
-  PellucidFacing facing; /* duplicated */
-  const char* views;     /* view cells: "S2,2" (320 cells, the default), "S1,1", "P2", "T2", ... */
-  /* Distances of the sampled cameras, in radii, 1 or more; HUGE_VAL is orthographic. Null: the default. */
+  PellucidMethod method; /* default: budget */
+  PellucidFacing facing; /* default: duplicated */
+  const char* views;     /* view cells: "S2,2" (default, 320 cells), "S1,1", "P2", "T2", ... */
+  /* Distances of the sampled cameras, in radii, 1 or more; HUGE_VAL is orthographic. Default null: those of
+   * default_distances() in pellucid/transparency.h. */
   const double* distances;
   uint32_t distance_count;
-  double max_error;     /* budget: largest share of wrong pixels, 0.001 */
-  uint32_t max_buffers; /* budget: at most this many orders, 16 */
-  uint32_t min_buffers; /* budget: at least this many, as far as each serves a view, 1 */
-  double tolerance;     /* overlaps thinner than this many radii do not count; < 0: the method's default */
-  double alpha;         /* opacity that weighs occlusions, 0..1; 0: their area alone does */
-  uint32_t cache_size;  /* entries of the FIFO vertex cache to optimise for, 20; 0: none */
-  /* First order a mesh simplified to this many triangles; 0: never; UINT32_MAX: above 24,000 triangles. */
+  double max_error;     /* budget: largest share of wrong pixels; default 0.001 */
+  uint32_t max_buffers; /* budget: largest number of orders; default 16 */
+  uint32_t min_buffers; /* budget: least number of orders, except that unused ones are removed; default 1 */
+  double tolerance;     /* overlaps thinner than this many radii do not count; default < 0: by method */
+  double alpha;         /* opacity that weights occlusions, 0..1; default 0: by their area alone */
+  uint32_t cache_size;  /* entries of the FIFO vertex cache to optimise for; 0: none; default 20 */
+  /* Simplify the mesh to this many triangles, order that, and carry the orders over. 0: never. Default
+   * UINT32_MAX: to 10,000 triangles if the mesh has more than 24,000. */
   uint32_t upsample_from;
-  uint64_t memory; /* memory budget in bytes; 0: no limit */
-  uint64_t seed;   /* 1 */
+  uint64_t memory; /* memory budget in bytes; default 0: no limit */
+  uint64_t seed;   /* default 1 */
 } PellucidOrderOptions;
+/* Sets all members to their defaults. */
 PELLUCID_API void pellucid_order_options_init(PellucidOrderOptions* options, size_t struct_size);
 
 /* Orders a static mesh for blending. This takes seconds to minutes, about linear in triangles up to
@@ -148,16 +153,18 @@ typedef enum PellucidOverdrawMethod {
 typedef struct PellucidOverdrawOptions {
   size_t struct_size; /* set by init */
   PellucidRun run;
-  PellucidOverdrawMethod method; /* refined */
-  PellucidFacing facing;         /* single: back faces are culled; duplicated: both sides are drawn */
-  uint32_t buffers;              /* number of orders, 5; 1 is often enough for a mesh without poses */
-  double lambda;       /* 0.85; larger: less overdraw, more cache misses; 3: all triangles are patches */
-  uint32_t cache_size; /* FIFO entries, 16 */
-  uint32_t view_level; /* 10 * 4^n + 2 viewpoints: 2, at most 5 */
-  double min_distance, max_distance; /* of these viewpoints, in radii: 1.5 to 3 */
-  uint32_t size;                     /* pixels per side of the images in which overdraw is counted: 256 */
-  uint64_t seed;                     /* 1 */
+  PellucidOverdrawMethod method; /* default: refined */
+  PellucidFacing facing; /* single (default): back faces are culled; duplicated: both sides are drawn */
+  uint32_t buffers;      /* number of orders; default 5; 1 is often enough for a mesh without poses */
+  /* Default 0.85. Larger: less overdraw and more cache misses. 3: every triangle is a patch. */
+  double lambda;
+  uint32_t cache_size;               /* entries of the FIFO vertex cache; default 16 */
+  uint32_t view_level;               /* n, for 10 * 4^n + 2 viewpoints; at most 5; default 2 */
+  double min_distance, max_distance; /* of these viewpoints, in radii; default 1.5 and 3 */
+  uint32_t size; /* pixels per side of the images in which overdraw is counted; default 256 */
+  uint64_t seed; /* default 1 */
 } PellucidOverdrawOptions;
+/* Sets all members to their defaults. */
 PELLUCID_API void pellucid_overdraw_options_init(PellucidOverdrawOptions* options, size_t struct_size);
 
 /* Key frames of an animated mesh. */
@@ -167,9 +174,9 @@ typedef struct PellucidPoses {
   uint32_t frame_count;
 } PellucidPoses;
 
-/* Orders an opaque mesh so that less is shaded that is hidden. With `poses` the orders are for these key
- * frames, and mesh->positions is the mesh at rest; null means a static mesh. Every order holds all
- * triangles. */
+/* Orders an opaque mesh to reduce overdraw: the depth test then rejects most hidden fragments before they
+ * are shaded. With `poses` the orders are for these key frames, and mesh->positions is the mesh at rest;
+ * null means a static mesh. Every order contains all triangles. */
 PELLUCID_API PellucidStatus pellucid_overdraw_mesh(const PellucidMesh* mesh, const PellucidPoses* poses,
                                                    const PellucidOverdrawOptions* options,
                                                    PellucidOrderSet** orders);
@@ -178,17 +185,19 @@ PELLUCID_API PellucidStatus pellucid_overdraw_mesh(const PellucidMesh* mesh, con
 
 PELLUCID_API void pellucid_free_order_set(PellucidOrderSet* orders);
 
+/* Returns the number of orders, without PELLUCID_NO_ORDER; 0 for null. */
 PELLUCID_API uint32_t pellucid_order_count(const PellucidOrderSet* orders);
 
+/* In which direction the triangles of an order are stored or drawn. */
 typedef enum PellucidDirection {
   pellucid_front_to_back = 0, /* for "under" blending and for opaque meshes */
   pellucid_back_to_front = 1  /* for the usual "over" blending */
 } PellucidDirection;
 
-/* Returns the number of indices of order 0 .. count - 1, or of PELLUCID_NO_ORDER: the best single order
- * for all views, which is drawn where the others do not hold. It holds every triangle once, as it is
- * stored: where both sides of the mesh are visible, draw it without culling. Returns 0 for an order that
- * does not exist. */
+/* Returns the number of indices of order 0 .. count - 1, or of PELLUCID_NO_ORDER. The latter is the best
+ * single order for all views, which is drawn if the others are not valid for a camera. It contains every
+ * triangle once, as it is stored: if both sides of the mesh are visible, draw it without culling. Returns
+ * 0 for an order that does not exist. */
 PELLUCID_API uint64_t pellucid_order_index_count(const PellucidOrderSet* orders, uint32_t order);
 
 /* Writes these indices, three for each triangle in draw order, to `destination`, which must have room for
@@ -198,26 +207,28 @@ PELLUCID_API PellucidStatus pellucid_copy_order_indices(const PellucidOrderSet* 
                                                         PellucidDirection direction, uint32_t index_bytes,
                                                         void* destination);
 
-/* Gives what pellucid/runtime/select.h needs in every frame: pellucid_select_perspective(&selector, world,
- * eye) returns the order to draw, or PELLUCID_NO_ORDER where none holds. The arrays belong to the order
- * set. */
+/* Writes what pellucid/runtime/select.h needs in every frame to `selector`: then
+ * pellucid_select_perspective(&selector, world, eye) returns the order to draw, or PELLUCID_NO_ORDER if
+ * none is valid for this camera. The arrays belong to the order set. */
 PELLUCID_API PellucidStatus pellucid_order_selector(const PellucidOrderSet* orders, PellucidOrders* selector);
 
-/* Gives the key frames of orders with poses: pellucid_select_animated(&selector, &keyframes, time, world,
- * eye) returns the order to draw. The count is 0 without poses, and for orders from a file with several
- * animations. The arrays belong to the order set. */
+/* Writes the key frames of orders with poses to `keyframes`: then pellucid_select_animated(&selector,
+ * &keyframes, time, world, eye) returns the order to draw. The count is 0 without poses, and for orders
+ * from a file with several animations. The arrays belong to the order set. */
 PELLUCID_API PellucidStatus pellucid_order_keyframes(const PellucidOrderSet* orders,
                                                      PellucidKeyframes* keyframes);
 
+/* What ordering found, and how good the orders are. */
 typedef struct PellucidOrderStatistics {
   uint64_t triangles;         /* of the mesh */
   uint64_t dropped_triangles; /* left out because they draw nothing */
-  uint64_t index_bytes;       /* of all orders; an index has 2 bytes where the vertices allow, else 4 */
-  double measured_error;      /* transparency: share of wrong pixels, held-out views; -1: not measured */
+  uint64_t index_bytes;       /* of all orders; an index has 2 bytes for at most 65,535 vertices, else 4 */
+  double measured_error;      /* transparency: share of wrong pixels, held-out viewpoints; -1: unknown */
   double violated_weight; /* transparency: share of the overlapped area that is drawn in the wrong order */
   double overdraw;        /* overdraw: fragments shaded for each covered pixel, training views */
   double seconds;         /* that ordering took; 0 for orders from a file */
 } PellucidOrderStatistics;
+/* Writes the statistics of an order set. struct_size is sizeof(PellucidOrderStatistics). */
 PELLUCID_API PellucidStatus pellucid_order_statistics(const PellucidOrderSet* orders,
                                                       PellucidOrderStatistics* statistics,
                                                       size_t struct_size);
@@ -240,15 +251,16 @@ PELLUCID_API PellucidStatus pellucid_measure_cache(const void* indices, uint32_t
 typedef struct PellucidMeasureOptions {
   size_t struct_size; /* set by init */
   PellucidRun run;
-  uint32_t viewpoints;               /* number of random viewpoints, 100 */
-  double min_distance, max_distance; /* of these, in radii: 2 to 5 */
-  uint32_t size;                     /* pixels per side, 512 */
-  /* Which faces are drawn (duplicated). Transparency orders know it; for overdraw orders, give the value that
-   * pellucid_overdraw_mesh() was given. */
+  uint32_t viewpoints;               /* number of random viewpoints; default 100 */
+  double min_distance, max_distance; /* of these, in radii; default 2 and 5 */
+  uint32_t size;                     /* pixels per side; default 512 */
+  /* Which faces are drawn; default: duplicated. It is ignored for transparency orders, which have their own.
+   * For overdraw orders, use the value that pellucid_overdraw_mesh() was given. */
   PellucidFacing facing;
-  double alpha; /* opacity of the faces in the images that the PSNR compares: 0.5 */
+  double alpha; /* opacity of the faces in the images that the PSNR compares; default 0.5 */
   uint64_t seed;
 } PellucidMeasureOptions;
+/* Sets all members to their defaults. */
 PELLUCID_API void pellucid_measure_options_init(PellucidMeasureOptions* options, size_t struct_size);
 
 typedef struct PellucidBlendQuality {
@@ -298,39 +310,44 @@ typedef struct PellucidPrimitive {
   uint32_t has_orders;          /* 1: pellucid_model_orders() gives its orders */
 } PellucidPrimitive;
 
-/* A primitive is ordered by itself and drawn by one call. Points and lines are primitives without
- * triangles. */
+/* Returns the number of primitives. A primitive is ordered by itself and drawn by one call. Points and lines
+ * are primitives without triangles. */
 PELLUCID_API uint32_t pellucid_primitive_count(const PellucidModel* model);
+/* Describes a primitive. struct_size is sizeof(PellucidPrimitive). */
 PELLUCID_API PellucidStatus pellucid_model_primitive(const PellucidModel* model, uint32_t primitive,
                                                      PellucidPrimitive* description, size_t struct_size);
 
-/* Gives a copy of the orders of a primitive, from the file or set since; pellucid_nothing_to_do if it has
- * none. */
+/* Writes a new order set to `orders`: a copy of the orders of a primitive, which came from the file or were
+ * set later. Returns pellucid_nothing_to_do if the primitive has none. */
 PELLUCID_API PellucidStatus pellucid_model_orders(const PellucidModel* model, uint32_t primitive,
                                                   PellucidOrderSet** orders);
 
-/* Gives a primitive a copy of these transparency orders, which must have been made for its whole mesh,
- * unchanged. Null takes away the orders that it has. (The command line makes overdraw orders of files.) */
+/* Replaces the orders of a primitive by a copy of these transparency orders, which must have been made for
+ * its whole, unchanged mesh. Null removes the orders that it has. (For overdraw orders of files, use the
+ * command line.) */
 PELLUCID_API PellucidStatus pellucid_model_set_orders(PellucidModel* model, uint32_t primitive,
                                                       const PellucidOrderSet* orders);
 
 typedef enum PellucidEncoding {
   pellucid_encoding_indices = 0, /* plain index accessors */
-  pellucid_encoding_patches = 1, /* permutations of triangle numbers: a third of the size */
-  pellucid_encoding_meshopt = 2  /* the same, compressed by EXT_meshopt_compression */
+  pellucid_encoding_patches = 1, /* permutations of triangle numbers, with a third of the size of indices */
+  pellucid_encoding_meshopt = 2  /* permutations, compressed by EXT_meshopt_compression */
 } PellucidEncoding;
 
 typedef struct PellucidWriteOptions {
   size_t struct_size;          /* set by init */
-  PellucidEncoding encoding;   /* indices */
-  PellucidDirection direction; /* front_to_back */
-  uint32_t split_buffer;       /* 1: orders go to NAME.orders.bin, beside the file */
-  uint32_t keep_indices; /* 1: other viewers draw the stored order; 0: they draw the best single order */
+  PellucidEncoding encoding;   /* default: indices */
+  PellucidDirection direction; /* default: front_to_back */
+  uint32_t split_buffer;       /* 1: orders go to NAME.orders.bin, beside the file; default 0 */
+  /* What viewers that do not know the extension draw. 0 (default): the best single order; 1: the stored
+   * order. */
+  uint32_t keep_indices;
 } PellucidWriteOptions;
+/* Sets all members to their defaults. */
 PELLUCID_API void pellucid_write_options_init(PellucidWriteOptions* options, size_t struct_size);
 
-/* Writes .glb or .gltf, by the extension of `path`, with the orders that the model has now. All else in a
- * glTF is kept. Files appear whole or not at all. The format is in docs/file-format.md. */
+/* Writes .glb or .gltf, by the extension of `path`, with the orders that the model has now. Everything
+ * else in a glTF stays as it was. Files appear whole or not at all. The format is in docs/file-format.md. */
 PELLUCID_API PellucidStatus pellucid_write_model(const PellucidModel* model, const char* path,
                                                  const PellucidWriteOptions* options);
 

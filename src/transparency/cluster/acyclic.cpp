@@ -1,7 +1,10 @@
-// Clustering as in the paper: see clustering.h. Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers",
-// PACMCGIT 2018, section 3.2. Differs in: edges that two other edges of a cell imply are left out of its set
-// (about half of them; the orders are the same, and priorities count the edges that are left); pairs that
-// were found infeasible are not tried again while both clusters only grow.
+// Implements the acyclic clustering of clustering.h: merges clusters of view cells as long as the union of
+// their edges has no cycle, and then relaxes them.
+//
+// Based on: Han, Chen, Nehab, Sander, "In-Depth Buffers", PACMCGIT 1(1), 2018, section 3.2. Differs in: edges
+// that two other edges of a cell imply are left out of its set. These are about half of the edges; the orders
+// are the same, and priorities count the remaining edges. Pairs that were found infeasible are not tried
+// again while both clusters only grow.
 #include <algorithm>
 #include <map>
 #include <queue>
@@ -32,7 +35,7 @@ void fields(Archive& archive, T& state) {
 }
 
 struct Cluster {
-  std::vector<std::uint32_t> cells;  // sorted; empty: merged away
+  std::vector<std::uint32_t> cells;  // sorted; empty if the cluster was merged into another one
   EdgeSet edges;
   std::vector<std::uint32_t> ranks;  // topological
 };
@@ -204,7 +207,7 @@ class AcyclicClustering {
     clusters_[b] = {};
     clusters_.push_back(std::move(merged));
 
-    // What could not be merged with a part cannot be merged with the whole.
+    // A cluster that could not be merged with a part cannot be merged with the whole.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (const std::uint32_t neighbor : neighbors_of_cluster(number)) {
       if (dead_.contains(ordered(a, neighbor)) || dead_.contains(ordered(b, neighbor))) {
@@ -315,14 +318,14 @@ class AcyclicClustering {
     return true;
   }
 
-  // A cluster that refused a cell refuses it until it has lost a cell of its own.
+  // Returns whether the cluster is known to refuse the cell: it did so, and has not lost a cell since.
   [[nodiscard]] bool known_refused(std::uint32_t cell, std::uint32_t target) const {
     const auto found = refused_.find({cell, target});
     const auto losses = losses_.find(target);
     return found != refused_.end() && found->second == (losses == losses_.end() ? 0 : losses->second);
   }
 
-  // A cluster that lost cells keeps their edges until its edges are needed.
+  // Computes the edges of a cluster anew if it has lost cells. This is delayed until its edges are needed.
   void refresh(std::uint32_t cluster) {
     if (stale_.erase(cluster) == 0) return;
     clusters_[cluster].edges = edges_of(clusters_[cluster].cells);

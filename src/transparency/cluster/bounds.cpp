@@ -1,4 +1,5 @@
-// Lower bounds of the violated weight (see clustering.h) and of the number of orders (see edge_set.h).
+// Computes lower bounds of the violated weight (declared in clustering.h) and of the number of acyclic
+// clusters (declared in edge_set.h).
 //
 // Every order violates an edge of every cycle. If the same weight is taken away from each edge of a cycle,
 // and then of another cycle, as long as weights are left, the sum of the weights taken away once per cycle is
@@ -166,7 +167,7 @@ bool intersect(const BitSet& a, const BitSet& b) {
   return false;
 }
 
-// Two bits for each pair of opposite edges: whether a cell has the one, and whether it has the other.
+// For each pair of opposite edges, two bits that say which of the two edges a cell has.
 struct Directions {
   BitSet forward, backward;
 };

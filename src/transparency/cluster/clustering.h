@@ -34,8 +34,8 @@ struct ContiguityOptions {
 };
 
 // Moves cells and whole regions to the orders of their neighbours while fewer neighbours differ. Splits no
-// region, and leaves no order without cells. `costs`: violated weight of every cell under every order, cells
-// x orders, row by row. Changes `cluster_of` and returns the violated weight.
+// region, and leaves no order without cells. `costs` is the violated weight of every cell under every order:
+// cells x orders, row by row. Changes `cluster_of` and returns the violated weight.
 double join_neighbors(const ViewPartition& partition, std::span<const double> costs,
                       std::uint32_t order_count, const ContiguityOptions& options,
                       std::vector<std::uint32_t>& cluster_of);
@@ -99,10 +99,10 @@ std::vector<double> violation_table(const OcclusionGraph& graph,
 constexpr std::uint32_t kCoarseTriangles = 1000;
 
 struct ErrorBudgetOptions {
-  ErrorTarget target;  // on the validation viewpoints
+  ErrorTarget target;  // over held-out viewpoints
   std::uint32_t min_buffers = 1, max_buffers = 16;
   bool front_only = false;
-  ValidRange range{2, 5};  // of the validation viewpoints
+  ValidRange range{2, 5};  // of the held-out viewpoints
   double image_alpha = 0;  // ValidationOptions::image_alpha
   std::uint64_t seed = 1;
   Progress* progress = nullptr;
@@ -111,7 +111,7 @@ struct ErrorBudgetOptions {
 
 struct ErrorBudgetResult {
   Clustering clustering;  // on the full mesh
-  OrderError measured;    // on the validation viewpoints
+  OrderError measured;    // over held-out viewpoints
   double error = 0;       // the same, by the measure of the target
 };
 
@@ -152,8 +152,8 @@ Clustering cluster_acyclically(const OrderProblem& problem, const OrderOptions& 
 // ---------------------------------------------------------------------------------------------- lower bounds
 
 // Returns a weight that every order of `edges` (rows sorted by back node) violates at least. `ranks` is a
-// good order; the closer it is to the best one, the tighter is the bound. O(edges) and, for each edge that
-// `ranks` violates, O(degree^2).
+// good order; the closer it is to the best one, the tighter is the bound. Takes O(edges) and, for each edge
+// that `ranks` violates, O(degree^2).
 double unavoidable_weight(const EdgeRows& edges, std::span<const std::uint32_t> ranks);
 
 // Returns the sum of the same over all cells, each under an order of its own. No number of buffers violates

@@ -1,4 +1,7 @@
-// Contiguous regions of cells with the same order: see clustering.h. Based on: Besag, "On the Statistical
+// Implements the contiguous regions of clustering.h: joins neighbouring cells to regions with the same order,
+// and counts how often a camera switches orders.
+//
+// Based on: Besag, "On the Statistical
 // Analysis of Dirty Pictures", JRSS B 48(3), 1986 (iterated conditional modes for the Potts model). Differs
 // in: a bound on every cell's cost instead of a price per border, and moves of whole regions.
 #include <algorithm>

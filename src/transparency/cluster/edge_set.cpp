@@ -1,4 +1,4 @@
-// Unweighted edge sets of view cells and clusters of them: see edge_set.h.
+// Implements edge_set.h: unions, cycles and topological orders of sets of edges.
 #include "transparency/cluster/edge_set.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Unweighted edge sets of view cells and of clusters of them, over one table of all distinct edges.
+// Represents the edges of view cells and of clusters as sets of ids, over one table of all distinct edges.
+// In: an occlusion graph. Out: sets without implied edges, and topological orders of their unions.
 #pragma once
 
 #include <cstdint>
@@ -26,13 +27,14 @@ struct EdgeSet {
 };
 EdgeSet edges_of_cell(const EdgeTable& table, const CompactRows& cell);
 // Returns `edges` without those that a path of two others implies. The result has fewer edges and allows the
-// same orders. `edges` must be acyclic. O(sum of the out-degrees of all followers).
+// same orders. `edges` must be acyclic. Takes O(sum of the out-degrees of all followers).
 EdgeSet without_shortcuts(const EdgeTable& table, const EdgeSet& edges);
 EdgeSet unite(const EdgeSet& a, const EdgeSet& b);
 EdgeSet unite_all(const EdgeTable& table, std::span<const EdgeSet* const> sets);
 std::uint64_t intersection_size(const EdgeSet& a, const EdgeSet& b);
 
-// Finds a topological order, as ranks. Returns false when the edges have a cycle. O(nodes + edges).
+// Finds a topological order, as ranks. Returns false if the edges have a cycle. Takes O(nodes +
+// edges).
 bool topological_ranks(const EdgeTable& table, const EdgeSet& edges, std::vector<std::uint32_t>& ranks);
 
 // Extends `ranks`, a topological order of `base`, to one of the union of `base` and `added`. Returns false,
@@ -42,11 +44,11 @@ bool topological_ranks(const EdgeTable& table, const EdgeSet& edges, std::vector
 bool extend_ranks(const EdgeTable& table, const EdgeSet& base, const EdgeSet& added,
                   std::vector<std::uint32_t>& ranks);
 
-// Returns cells that contradict each other pairwise: two cells contradict each other when one has an edge
-// whose reverse the other has. Orders without a violation are needed for each of them, so that their number
-// is a lower bound of the number of acyclic clusters. They are a greedy clique. `cells`: the kept edges of
+// Returns cells that contradict each other pairwise: two cells contradict each other if one has an edge whose
+// reverse the other has. No two of them can share an order without a violation, so their number is a lower
+// bound of the number of acyclic clusters. They are found as a greedy clique. `cells` has the kept edges of
 // every cell, each set acyclic; edges that others imply may be left out, which can only lower the bound.
-// O(edges + cells^2 * pairs / 64).
+// Takes O(edges + cells^2 * pairs / 64).
 std::vector<std::uint32_t> contradicting_cells(const EdgeTable& table, std::span<const EdgeSet> cells);
 
 }  // namespace pellucid

@@ -1,4 +1,5 @@
-// Clustering within an error budget: see clustering.h.
+// Implements the k-means clustering and the error-budget method of clustering.h: searches on a coarse mesh
+// for the fewest orders that meet an error, and finishes them on the full mesh.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -65,7 +66,7 @@ void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options,
     sifting.progress = options.progress;
     sift(wishes, sifting, clustering.ranks[cluster]);
   };
-  if (graph.spilled) {  // memory is short: one cluster's sum at a time
+  if (graph.spilled) {  // memory is short, so sum one cluster at a time
     for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) reorder(cluster);
   } else {
     parallel_loop(std::uint32_t{0}, clustering.cluster_count(), reorder);

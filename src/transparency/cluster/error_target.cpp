@@ -1,4 +1,5 @@
-// What the number of orders is chosen by: see error_target.h.
+// Implements error_target.h: converts errors to one measure, and picks points from the curve of error against
+// number of buffers.
 #include "transparency/cluster/error_target.h"
 
 #include <algorithm>

@@ -35,8 +35,8 @@ ErrorTarget error_target(const OrderOptions& options);
 
 // --------------------------------------------------------------------------- error against number of buffers
 
-// `points`: one solution for each number of buffers (limit = request = 1, 2, ...). Replaces each point by the
-// best one of at most its number of buffers, and sets meets_target.
+// Takes one solution for each number of buffers (limit = request = 1, 2, ...). Replaces each point by the
+// best one with at most its number of buffers, and sets meets_target.
 void keep_best(std::vector<FrontierPoint>& points, const ErrorTarget& target);
 
 // Return numbers of buffers, as in OrderFrontier. `points`: one or more points after keep_best().

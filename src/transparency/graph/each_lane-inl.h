@@ -1,5 +1,5 @@
-// A loop over the lanes of a mask. It is included once per SIMD target, inside the namespace of the target
-// and after highway.h. Therefore it has no include guard.
+// Defines a loop over the lanes of a mask. It is included once per SIMD target, inside the namespace of the
+// target and after highway.h. Therefore it has no include guard.
 
 // Calls visit(lane) for every lane that is set, in order. hn::CompressStore is not used because on AVX2, GCC
 // 12 copies its table of permutations to the stack at every call, which took a quarter of the time of the

@@ -1,4 +1,5 @@
-// The occlusion graph of every view cell: see occlusion_graph.h.
+// Implements occlusion_graph.h: finds the edges of every viewpoint, sums them to the edges of view cells, and
+// stores these in memory or in a file.
 #include "transparency/graph/occlusion_graph.h"
 
 #include <algorithm>
@@ -225,7 +226,7 @@ class GraphBuilder {
   PerThread<RowAccumulator> accumulators_;
   std::atomic<std::uint64_t> memory_taken_ = 0;  // by finished cells, bytes
   std::once_flag spill_once_;
-  std::shared_ptr<SpillFile> spill_file_;  // null: everything was small enough
+  std::shared_ptr<SpillFile> spill_file_;  // null if everything fits into memory
 };
 
 }  // namespace

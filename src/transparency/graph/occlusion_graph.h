@@ -40,17 +40,19 @@ struct GraphOptions {
   // The memory budget of the cells in bytes. Cells that do not fit go to a temporary file. 0: all stay in
   // memory.
   std::uint64_t memory = 0;
-  // T[n], R[n]: all viewpoints of a cell between these distances count, bounding radii. Edges have the
-  // weights that the samples show, but at least kUnseenWeight. No edge is left out because it is light.
+  // T[n], R[n]: the edges of all viewpoints of a cell between these distances are found, bounding radii.
+  // Edges have the weights that the samples show, but at least kUnseenWeight. No edge is left out because it
+  // is light.
   double solid_from = 0, solid_to = 0;
   Progress* progress = nullptr;
   RunRecords records{};  // keeps every batch of cells
 };
-// Square radii, mean over a cell. This is the weight of the lightest edges that are kept of S[n,m].
+// The weight of edges that no sample shows, square radii, mean over a cell. It is the weight of the lightest
+// edges that are kept of S[n,m].
 constexpr float kUnseenWeight = 3e-7F;
 
-// O(viewpoints * (triangles + pairs)); memory: the edges of all cells (4 bytes each), and the edges of the
-// viewpoints of a few cells at a time.
+// Builds the graph. Takes O(viewpoints * (triangles + pairs)) time, and memory for the edges of all cells (4
+// bytes each) and for the edges of the viewpoints of a few cells at a time.
 OcclusionGraph build_occlusion_graph(const Mesh& mesh, const BoundingSphere& sphere,
                                      const ViewPartition& partition, const GraphOptions& options);
 

@@ -1,4 +1,5 @@
-// The projection of a mesh, and the broad phase over a uniform grid: see screen_pairs.h.
+// Implements the first two sections of screen_pairs.h: projects a mesh for a viewpoint, and finds the pairs
+// of triangles whose bounds overlap with a uniform grid.
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -1,5 +1,6 @@
-// The narrow phase: one pair of triangles per SIMD lane, the same arithmetic without SIMD for the tests, and
-// the double-precision test of the pairs that single precision cannot decide. See screen_pairs.h.
+// Implements the narrow phase of screen_pairs.h: tests one pair of triangles per SIMD lane. Has the same
+// arithmetic without SIMD for the tests, and a test in double precision for the pairs that single precision
+// cannot decide.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -48,7 +49,7 @@ struct VectorLanes {
 
 using Ints = hn::Vec<decltype(kInts)>;
 
-// Read one triangle a lane; corners relative to (origin_x, origin_y).
+// Loads one triangle per lane, with corners relative to (origin_x, origin_y).
 void load_triangles(const float* triangles, Ints indices, pair_test::Corners<VectorLanes::V>& corners,
                     pair_test::Plane<VectorLanes::V>& plane) {
   const Ints first = hn::ShiftLeft<4>(indices);  // 16 floats a triangle
@@ -137,7 +138,8 @@ namespace {
 
 #include "transparency/graph/pair_test_kernel.h"
 
-// One float a lane, with the minimum and maximum of x86 vectors (the second operand where one is NaN).
+// A lane type of one float. Its minimum and maximum are those of x86 vectors: the second operand if one is
+// NaN.
 struct ScalarLanes {
   using V = float;
   using M = bool;
@@ -184,7 +186,7 @@ double value_at(const Plane3& plane, const OverlapPolygon::Point& p) {
   return plane[0] + plane[1] * p.x + plane[2] * p.y;
 }
 
-// Keep the part where the linear function is positive (Sutherland-Hodgman, one plane).
+// Returns the part where the linear function is positive (one step of Sutherland-Hodgman).
 OverlapPolygon keep_positive(const OverlapPolygon& polygon, const Plane3& plane) {
   OverlapPolygon kept;
   for (int i = 0; i < polygon.count; ++i) {
@@ -214,7 +216,7 @@ double area_of(const OverlapPolygon& polygon) {
 
 using Corners3 = std::array<Vec3d, 3>;
 
-// Projected corners, counter-clockwise, relative to `origin` in the image.
+// Returns the projected corners, counter-clockwise, relative to `origin` in the image.
 Corners3 corners_of_node(const ScreenTriangles& screen, const std::vector<Triangle>& triangles,
                          std::uint32_t index, const Vec3d& origin) {
   const NodeId node = screen.nodes[index];

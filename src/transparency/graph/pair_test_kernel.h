@@ -1,5 +1,6 @@
-// The arithmetic of the narrow phase, written once for a "lanes" type L: a Highway vector, or one float for
-// the tests. It uses only + - * / sqrt and comparisons, and no fused multiply-add, so that every target
+// Implements the arithmetic of the narrow phase once, as a template over a type L of lanes: a Highway vector,
+// or one float for the tests. In: the corners of two triangles. Out: the area of their overlap and which is
+// in front. It uses only + - * / sqrt and comparisons, and no fused multiply-add, so that every target
 // computes the same bits.
 //
 // pair_test.cpp includes it inside a namespace once for each instruction set, so that the compiler builds it

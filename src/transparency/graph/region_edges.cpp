@@ -1,4 +1,5 @@
-// All occlusions between faces from all viewpoints of a view cell: see region_edges.h.
+// Implements region_edges.h: cuts the polytope of the viewpoints from which one face hides another, and finds
+// the edges of a view cell that no sample shows.
 #include "transparency/graph/region_edges.h"
 
 #include <algorithm>

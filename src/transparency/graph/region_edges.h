@@ -109,7 +109,8 @@ class RegionEdges {
               const ViewPartition& partition, bool front_only, double tolerance, double from, double to);
 
   // Returns the edges that the samples of the cell show, and all others that any of its viewpoints sees. No
-  // weight is less than kUnseenWeight, which is the weight of edges that no sample shows. O(triangles^2).
+  // weight is less than kUnseenWeight, which is the weight of edges that no sample shows. Takes
+  // O(triangles^2).
   [[nodiscard]] EdgeRows complete(std::uint32_t cell, const EdgeRows& samples) const;
 
  private:

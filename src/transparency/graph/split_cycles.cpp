@@ -1,5 +1,5 @@
-// Cuts faces that overlap in a cycle until they have an order: see split_unordered() in
-// pellucid/transparency.h.
+// Implements split_unordered() of pellucid/transparency.h: cuts faces that overlap in a cycle, until no cycle
+// is left or no cut helps.
 //
 // A cut cannot make a viewpoint cyclic, because an edge between pieces is an edge between their triangles,
 // and pieces of one triangle do not overlap. So a viewpoint without cycles need not be searched again.

@@ -1,4 +1,5 @@
-// All occlusions between faces from one viewpoint: see viewpoint_edges.h.
+// Implements viewpoint_edges.h: finds the occlusions of one viewpoint by geometry or by a raster, and weights
+// them by light transmittance.
 #include "transparency/graph/viewpoint_edges.h"
 
 #include <algorithm>
@@ -9,7 +10,8 @@
 
 namespace pellucid {
 
-// --------------------------------------------------------------------------------- light that reaches a face
+// ----------------------------------------------------------------------------------------- light
+// transmittance
 
 namespace {
 

@@ -32,7 +32,7 @@ struct OcclusionScratch {
   std::vector<CandidatePair> pairs, doubtful;
   std::vector<PairEdge> edges;
   FragmentBuffer fragments;
-  std::vector<float> light;  // per triangle
+  std::vector<float> light;  // per triangle: mean light transmittance
   std::vector<std::uint64_t> keys;
 };
 
@@ -44,7 +44,7 @@ struct OcclusionScene {
   bool front_only = false;       // single-sided: back faces do not hide and are not hidden
   double tolerance = 0;          // bounding radii
   std::uint32_t raster_size = 512;
-  double alpha = 0;  // > 0: areas are weighted by the light that reaches them
+  double alpha = 0;  // > 0: areas are weighted by the light transmittance of the layers in front of them
 };
 
 // Finds every pair of faces that overlap in the image, by geometry (section 2.2 of the paper, one viewpoint).
@@ -56,19 +56,20 @@ void find_edges_exactly(const OcclusionScene& scene, const Viewpoint& viewpoint,
 void find_edges_by_raster(const OcclusionScene& scene, const Viewpoint& viewpoint, OcclusionScratch& scratch,
                           ViewpointEdges& out);
 
-// --------------------------------------------------------------------------------- light that reaches a face
+// ----------------------------------------------------------------------------------------- light
+// transmittance
 
-// With faces of opacity alpha, a fragment behind n others contributes (1 - alpha)^n of its colour. So an
-// overlap in the wrong order is visible by that share of its area.
+// With faces of opacity alpha, a fragment behind n others contributes (1 - alpha)^n of its colour, the light
+// transmittance of these n layers. So the error of an overlap in the wrong order is weakened by that factor.
 
 constexpr float kNoLightKnown = -1;
 
-// Sets light[triangle], for all triangles that `light` has room for, to the mean of (1 - alpha)^(fragments in
+// Sets light[triangle], for all triangles below light.size(), to the mean of (1 - alpha)^(fragments in
 // front) over the fragments of the triangle. Triangles without fragments get kNoLightKnown.
 void find_light_of_triangles(const FragmentBuffer& fragments, double alpha, std::vector<float>& light);
 
 // Does the same for all triangles that the viewpoint sees, with a small image. A triangle without fragments
-// gets the light at the pixel of its middle. O(triangles + fragments). `fragments` is scratch memory.
+// gets the light at the pixel of its middle. Takes O(triangles + fragments). `fragments` is scratch memory.
 void find_light(const OcclusionScene& scene, const Viewpoint& viewpoint, const ScreenTriangles& screen,
                 FragmentBuffer& fragments, std::vector<float>& light);
 

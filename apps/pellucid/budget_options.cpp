@@ -109,11 +109,11 @@ void add_budget_options(CLI::App& command, RenderOptions& options, std::string& 
       "a pixel, bounded 64, hybrid and multikb what --k takes, auto any)",
       [&](const std::string& text) { options.budget.bytes = parse_bytes("--device-memory", text); });
   refuse_old_option(command, "--memory", "--device-memory");
-  add_choice(
-      command, "--overflow", options.pool.overflow,
-      {{"nearest", Overflow::nearest}, {"exact", Overflow::exact}},
-      "Where these are too small: nearest keeps the nearest, the rest is averaged (default); exact takes "
-      "more rounds")
+  add_choice(command, "--overflow", options.pool.overflow,
+             {{"nearest", Overflow::nearest}, {"exact", Overflow::exact}},
+             "Where pool or memory is too small: nearest keeps the nearest, averages the rest (default); "
+             "exact takes "
+             "more rounds")
       ->group(kBudgetGroup);
   add_choice(command, "--allocation", options.budget.allocation,
              {{"water", Allocation::water}, {"printed", Allocation::printed}},

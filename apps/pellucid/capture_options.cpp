@@ -18,7 +18,7 @@ void add_image_options(CLI::App& command, CaptureJob& job) {
   std::vector<std::pair<std::string, Effect>> effects;
   for (const NamedEffect& e : render_effects()) effects.emplace_back(e.name, e.effect);
   add_choice(command, "--effect", options.effect, effects,
-             "What is drawn of the fragments (default transparency)")
+             "What is made of the fragments of a pixel (default transparency)")
       ->group(kImageGroup);
   add_choice(command, "--csg", options.csg,
              {{"union", CsgOperation::union_of_all},
@@ -65,7 +65,7 @@ void add_technique_options(CLI::App& command, CaptureJob& job) {
       ->group(kTechniqueGroup);
   command
       .add_flag("--plain-resolve", options.plain_resolve,
-                "Sort as is common, by insertion into a local array of 128: to measure against")
+                "Sort by insertion into a local array of 128 fragments, as is common; for comparison only")
       ->group(kTechniqueGroup);
   command
       .add_option("--frames", job.frames,

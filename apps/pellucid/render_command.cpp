@@ -236,7 +236,7 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->add_option("--animation", o.capture.animation, "Pose the scene by this animation, by name or number")
       ->type_name("NAME")
       ->group(kAnimationGroup);
-  command->add_option("--time", o.capture.time, "Seconds of --animation")
+  command->add_option("--time", o.capture.time, "Time in --animation, seconds")
       ->type_name("S")
       ->capture_default_str()
       ->group(kAnimationGroup);

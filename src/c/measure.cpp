@@ -147,8 +147,8 @@ PellucidOverdrawQuality measure_overdraw(const PellucidMesh* given, const Pelluc
     }
     return ranks[order_for(selector, view.direction)];
   };
-  const std::vector<PosedDrawingMethod> contenders{{"", choose}};
-  const OverdrawQuality quality = measure_posed_overdraw(subject, contenders, measure).front();
+  const std::vector<PosedDrawingMethod> methods{{"", choose}};
+  const OverdrawQuality quality = measure_posed_overdraw(subject, methods, measure).front();
   return {quality.mean, quality.max};
 }
 

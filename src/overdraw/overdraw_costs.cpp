@@ -140,9 +140,10 @@ LayerRows::LayerRows(const ListPool& pool, std::span<const WeightedList> weighte
 
   for (std::uint32_t patch = 0; patch < patch_parts.size(); ++patch) {
     const double rank = ranks[patch];
-    if (patch_parts[patch] >= rooms_.size()) rooms_.resize(patch_parts[patch] + 1, {1e300, -1e300});
+    if (patch_parts[patch] >= free_ranges_.size())
+      free_ranges_.resize(patch_parts[patch] + 1, {1e300, -1e300});
     // The ranges of neighbouring parts meet half a rank beyond the last patch.
-    auto& [first, last_rank] = rooms_[patch_parts[patch]];
+    auto& [first, last_rank] = free_ranges_[patch_parts[patch]];
     first = std::min(first, rank - 0.5);
     last_rank = std::max(last_rank, rank + 0.5);
   }

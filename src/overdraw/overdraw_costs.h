@@ -44,7 +44,7 @@ class LayerRows {
 
   PreferenceRow row(NodeId patch, std::span<const double> positions);
   [[nodiscard]] std::pair<double, double> free_range(NodeId patch) const {
-    return rooms_[patch_parts_[patch]];
+    return free_ranges_[patch_parts_[patch]];
   }
 
  private:
@@ -55,10 +55,11 @@ class LayerRows {
   const ListPool& pool_;
   std::span<const WeightedList> weighted_;
   std::span<const std::uint32_t> patch_parts_;
-  std::vector<std::pair<double, double>> rooms_;  // by part: the ranks between which its patches may move
-  std::vector<std::uint64_t> offsets_;            // patches + 1
-  std::vector<std::uint32_t> lists_of_;           // indices into weighted_, by patch
-  std::vector<std::int64_t> sums_;                // by patch, of the current row
+  std::vector<std::pair<double, double>>
+      free_ranges_;                      // by part: the ranks between which its patches may move
+  std::vector<std::uint64_t> offsets_;   // patches + 1
+  std::vector<std::uint32_t> lists_of_;  // indices into weighted_, by patch
+  std::vector<std::int64_t> sums_;       // by patch, of the current row
   std::vector<std::uint8_t> met_;
   std::vector<NodeId> neighbors_;
   std::vector<float> weights_;

@@ -60,11 +60,11 @@ void reorder_clusters(const OcclusionGraph& graph, const KMeansOptions& options,
     if (changed[cluster] == 0) return;
     stop_if_requested(options.progress);
     const std::vector<std::uint32_t> cells = cells_of_cluster(clustering.cluster_of, cluster);
-    const PairPreferences wishes =
+    const PairPreferences preferences =
         net_preferences(sum_cells(graph, cells, light * static_cast<float>(cells.size())));
     SiftOptions sifting = options.sift;
     sifting.progress = options.progress;
-    sift(wishes, sifting, clustering.ranks[cluster]);
+    sift(preferences, sifting, clustering.ranks[cluster]);
   };
   if (graph.spilled) {  // memory is short, so sum one cluster at a time
     for (std::uint32_t cluster = 0; cluster < clustering.cluster_count(); ++cluster) reorder(cluster);

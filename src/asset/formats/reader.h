@@ -1,8 +1,8 @@
 // Internal to the module `asset`: the table of model formats. read_model() finds the reader of a file in it,
 // error messages list the formats of it, and fuzzing (fuzz/readers.cpp) has a target for each row.
 //
-// To add a format, write one file that defines its FormatReader (formats/off.cpp is the shortest example;
-// name it in CMakeLists.txt), and add one line to PELLUCID_MODEL_FORMATS.
+// To add a format, write one file in this folder that defines its FormatReader (off.cpp is the shortest
+// example), and add one line to PELLUCID_MODEL_FORMATS.
 #pragma once
 
 #include <span>

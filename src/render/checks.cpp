@@ -1,4 +1,4 @@
-// The list of techniques, and what is refused before anything is drawn: see checks.h.
+// Implements checks.h: the list of techniques, and what is refused before anything is drawn.
 #include "render/checks.h"
 
 #include <fmt/format.h>
@@ -49,12 +49,12 @@ std::string names_of(const std::vector<Sync>& syncs) {
   return names;
 }
 
-// Why a way is not open; empty: it is.
+// Returns why a way of synchronisation is not available, or an empty text if it is.
 std::string obstacle(Sync sync, const TechniqueInfo& technique, const RenderOptions& options,
                      const DeviceInfo& device) {
   const std::string missing = missing_for(sync, device);
   if (!missing.empty()) return fmt::format("{}, which {} does not support", missing, device.name);
-  // A budget says how many attachments there are, and these how many fragments.
+  // With a memory budget, the number of attachments follows from the budget, and k from that number.
   if (sync != Sync::ordered || technique.keeps_tail) return "";
   if (ordered_attachments_for(options.k) <= device.ordered_attachments) return "";
   return fmt::format("{} attachments for k = {}, and {} has {}", ordered_attachments_for(options.k),
@@ -63,7 +63,7 @@ std::string obstacle(Sync sync, const TechniqueInfo& technique, const RenderOpti
 
 }  // namespace
 
-// The list of registry.h.
+// Makes the list from registry.h.
 const std::vector<TechniqueEntry>& technique_entries() {
 #define PELLUCID_ENTRY(technique) technique(),
   static const std::vector<TechniqueEntry> kEntries{PELLUCID_TECHNIQUES(PELLUCID_ENTRY)};

@@ -1,4 +1,4 @@
-// Pipelines, memory and passes of a frame, and what shaders know of it.
+// Implements frame.h: pipelines, memory and passes of a frame, and the data that shaders get.
 #include "render/frame.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,8 @@ std::array<float, 4> four(const Vec3d& v, double w) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
 }
 
-// Column-major; y points down, depth runs from 0 at the near to 1 at the far plane (raster.h).
+// Returns the projection, column-major. y points down. Depth runs from 0 at the near plane to 1 at the far
+// plane (raster.h).
 std::array<float, 16> clip_from_world(const Camera& camera) {
   const double half_width = camera.half_height * camera.width / camera.height;
   const double n = camera.near_plane;
@@ -46,7 +47,8 @@ std::array<float, 16> clip_from_world(const Camera& camera) {
 
 }  // namespace
 
-// Constants 0 to 3 are those of effect and technique; what they do not give is not read.
+// Appends the features as constant 4. Constants 0 to 3 belong to the effect and the technique; missing ones
+// are filled up and not read.
 Constants Pipelines::with_features(Constants constants) const {
   constants.resize(4);
   constants.push_back(features_);
@@ -126,7 +128,7 @@ FrameData frame_data(const Camera& camera, const Frame& frame) {
   data.clip_from_world = clip_from_world(camera);
   data.eye = four(camera.eye, camera.perspective ? 1 : 0);
   data.to_viewer = four(-camera.forward, 0);
-  // The same light as in pellucid/shading.h.
+  // Uses the light of pellucid/shading.h.
   data.fill_light = four(normalized(camera.up * 0.8 - camera.right * 0.55 - camera.forward * 0.35), 0);
   data.background = four(to_double(frame.options.background), 1);
   data.planes = {static_cast<float>(camera.near_plane), static_cast<float>(camera.far_plane),
@@ -142,7 +144,7 @@ FrameData frame_data(const Camera& camera, const Frame& frame) {
 }
 
 std::uint32_t loop_budget(const DeviceInfo& device) {
-  // Measured on lavapipe 22.3.6: after 65,535 turns all loops of an invocation end, silently.
+  // On lavapipe 22.3.6 all loops of an invocation end silently after 65,535 turns (measured).
   return device.cpu ? 60'000U : 0xFFFFFFFFU;
 }
 

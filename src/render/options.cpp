@@ -1,5 +1,5 @@
-// Names of the values that options take (effects, ways of synchronisation, terms of importance), and checks
-// of their ranges.
+// Implements options.h: names of option values (effects, ways of synchronisation, terms of importance), and
+// checks of their ranges.
 #include "render/options.h"
 
 #include <fmt/format.h>

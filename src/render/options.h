@@ -1,5 +1,5 @@
-// options.h - checks of options that need no device, and what effects have in common. The reference on the
-// CPU uses them as well as the renderer.
+// options.h - checks of options that need no device, and what effects have in common. The CPU reference and
+// the renderer both use them.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace pellucid::render {
 
-// Throws Error{bad_argument} where the state of an effect cannot tell `objects` objects apart.
+// Throws Error{bad_argument} if the effect cannot distinguish `objects` objects.
 void check_effect(Effect effect, std::size_t objects);
 
 // Returns whether the effect blends colours in depth order, so that nothing behind an opaque surface matters.

@@ -1,5 +1,5 @@
-// The effects on the CPU, pixel by pixel, from complete sorted lists: written for clarity, and otherwise than
-// the shaders, which see one fragment at a time.
+// Computes all effects on the CPU, pixel by pixel, from complete sorted lists of fragments. It is written for
+// clarity, and differs on purpose from the shaders, which see one fragment at a time.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using Shaded = std::vector<ShadedFragment>;
 
-// Fragments first .. last - 1 lie at one depth.
+// The fragments first .. last - 1, which have the same depth.
 struct Group {
   std::size_t first, last;
 };
@@ -51,9 +51,9 @@ class Reference {
   void shade(std::uint64_t p, std::span<const Fragment> fragments);
   void keep_colors(std::uint64_t p, std::span<const Fragment> fragments,
                    std::vector<std::array<float, 4>>& colors);
-  // Back faces of what shows only its fronts, and what a texture cuts out.
+  // Removes back faces of one-sided surfaces, and fragments that a texture cuts out.
   void drop_undrawn(FragmentBuffer& fragments) const;
-  // The background of a pixel, and what is in front of it.
+  // Sets the background of a pixel, and returns the fragments in front of it.
   std::span<const Fragment> in_front_of_opaque(std::uint64_t p, std::span<const Fragment> fragments);
   void drop_hidden(FragmentBuffer& fragments);
 

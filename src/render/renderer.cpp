@@ -1,4 +1,5 @@
-// Drawing: count, cut into bands where buffers would be too large, capture, resolve, read back.
+// Draws an image: counts fragments, cuts the image into bands where buffers would be too large, captures,
+// resolves and reads back.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -48,7 +49,7 @@ struct Renderer::Implementation {
                    render::MemoryKind::readback),
         frame_buffer(context, "frame", sizeof(render::FrameData)) {}
 
-  // What a draw() is about.
+  // The arguments of one draw().
   struct Job {
     const Camera& camera;
     const RenderOptions& options;
@@ -62,42 +63,44 @@ struct Renderer::Implementation {
   };
 
   RenderResult draw(Job job);
-  // Throws Error{internal} when the device is gone.
+  // Throws Error{internal} if the device was lost.
   void refuse_if_lost() const;
   void draw_band(const Job& job, const Band& band, RenderResult& result);
-  // What a band has in front of opaque surfaces.
+  // The fragments of a band in front of opaque surfaces.
   struct Counted {
     render::Frame frame;
     std::vector<std::uint32_t> counts;  // fragments of every pixel
-    CaptureStats opaque, counting;      // time and passes that it took
-    bool needed = false;                // the counts: whatever draws
+    CaptureStats opaque, counting;      // time and passes of drawing opaque surfaces and of counting
+    bool needed = false;                // the counts are needed, whichever technique draws
   };
-  // False: it is too large for the technique, and nothing was done.
+  // Captures a band. Returns false, without doing anything, if the band is too large for the technique.
   bool capture_band(const Job& job, const Band& band, Counted& counted, RenderResult& result);
-  // The same by the technique that suits what was counted.
+  // Does the same with the technique that `auto` chooses for the counts.
   bool choose_and_capture(const Job& job, const Band& band, Counted& counted, RenderResult& result);
-  // Where the pool of the technique that was asked for does not suffice, or its loops.
+  // Returns the technique that takes over when the pool of the requested technique, or the loops of the
+  // driver, do not suffice.
   [[nodiscard]] std::unique_ptr<render::Technique> make_for_small_pool(const Job& job,
                                                                        const render::Frame& frame) const;
-  // Again with that, without what `result` got of the band since `before`.
+  // Captures the band again with that technique, after removing what `result` got of the band since `before`.
   void capture_again(const Job& job, const Band& band, const render::Frame& first, const CaptureStats& before,
                      RenderResult& result, const std::vector<std::uint32_t>& counts);
   render::Frame make_frame(const Job& job, const Band& band);
-  // What is opaque, where the effect blends; afterwards the rest remains to be drawn.
+  // Draws the opaque surfaces if the effect blends. Afterwards only the others remain to be drawn.
   void draw_opaque(const Job& job, const render::Frame& frame, CaptureStats& stats);
-  // Fragments of every pixel.
+  // Counts the fragments of every pixel.
   std::vector<std::uint32_t> count(const Job& job, render::Frame& frame, CaptureStats& stats);
   std::optional<render::Culling> start_culling(const Job& job, const render::Frame& frame,
                                                CaptureStats& stats);
   void capture(const Job& job, render::Frame& frame, render::Technique& technique, RenderResult& result,
                const std::vector<std::uint32_t>& counts);
-  // Record, submit, time.
+  // Records commands, submits them and measures their time.
   void run(const Job& job, const render::Frame& frame, CaptureStats& stats,
            const std::function<void(render::Recorder&)>& record);
   void read_times(std::uint32_t count, CaptureStats& stats);
-  // All rounds of a technique that peels.
+  // Runs all rounds of a technique that peels.
   void peel(const Job& job, render::Frame& frame, render::Technique& technique, CaptureStats& stats);
-  // `count` rounds in one submission; returns after how many of them nothing was left, count + 1: never.
+  // Runs `count` rounds in one submission. Returns the number of rounds after which nothing was left, or
+  // count + 1 if something is left.
   std::uint32_t peel_together(const Job& job, render::Frame& frame, render::Technique& technique,
                               std::uint32_t first, std::uint32_t count, const render::Culling* culling,
                               CaptureStats& stats);
@@ -107,11 +110,11 @@ struct Renderer::Implementation {
   render::OwnedQueryPool timestamps;
   std::optional<render::GpuScene> scene;
   std::optional<render::OpaqueLayer> opaque;
-  render::Buffer unused;      // in slots that a shader mentions but does not reach
-  render::Buffer left_after;  // pixels that the next round may find something for, after each of some rounds
+  render::Buffer unused;      // bound to slots that a shader declares but does not use
+  render::Buffer left_after;  // after each round: pixels for which the next round may find something
   render::Buffer frame_buffer, final_colors, dump;
   using BandKey = std::pair<std::uint32_t, std::uint32_t>;
-  std::map<BandKey, render::Buffer> residues;             // of the last frame, by band
+  std::map<BandKey, render::Buffer> residues;             // what the last frame left, by band
   std::map<BandKey, render::DrawOrderHistory> histories;  // of all frames of the scene, by band
   std::set<BandKey> drawn_bands;                          // of the current one
 };
@@ -159,7 +162,7 @@ void Renderer::Implementation::run(const Job& job, const render::Frame& frame, C
   read_times(timestamps_used, stats);
 }
 
-// Begin, pairs of begin and end of resolves, end.
+// The timestamps are: the beginning, pairs of beginning and end of a resolve, and the end.
 void Renderer::Implementation::read_times(std::uint32_t count, CaptureStats& stats) {
   std::array<std::uint64_t, render::kMostTimestamps> ticks{};
   context.call("reading timestamps", [&] {
@@ -232,7 +235,7 @@ std::uint32_t Renderer::Implementation::peel_together(const Job& job, render::Fr
                                                       std::uint32_t count, const render::Culling* culling,
                                                       CaptureStats& stats) {
   const bool known = technique.known_rounds() > 0;
-  CaptureStats recorded;  // with the passes of rounds that are left out
+  CaptureStats recorded;  // includes the passes of rounds that are skipped
   std::array<std::array<std::uint32_t, 2>, render::kMostRounds + 1> passes{};  // before each round
   run(job, frame, recorded, [&](render::Recorder& recorder) {
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -267,7 +270,8 @@ void Renderer::Implementation::peel(const Job& job, render::Frame& frame, render
                                     CaptureStats& stats) {
   const std::optional<render::Culling> culling = start_culling(job, frame, stats);
   const render::Culling* groups = culling ? &*culling : nullptr;
-  // Else a round per depth layer and pair of coplanar fragments at most, and one that finds nothing.
+  // If the number of rounds is not known, there is at most one per depth layer and pair of coplanar
+  // fragments, and a last one that finds nothing.
   const bool known = technique.known_rounds() > 0;
   const std::uint64_t most = known ? technique.known_rounds() : frame.deepest + 2;
   const bool together = !culling && (known || context.info().conditional);
@@ -316,7 +320,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   render::Counters counters{};
   frame.counters.download(context, std::as_writable_bytes(std::span(&counters, 1)));
   stats.fragments += frame.fragments;
-  // Hardware blending takes every fragment, and counts none.
+  // Hardware blending takes every fragment and counts none.
   if (job.options.statistics) {
     stats.captured += job.technique.info.blends_only ? frame.fragments : counters.captured;
     stats.coplanar += counters.coplanar;
@@ -330,7 +334,7 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
   stats.seen_pixels += frame.seen;
   technique.report(frame, counts, result);
   if (job.effect == render::kDumpEffect) {
-    // Techniques with a tail are asked for ids where colours would be.
+    // Techniques with a tail deliver ids in the place of colours.
     render::read_fragments(dump, frame, offsets, !job.technique.info.keeps_tail, result);
   } else {
     render::read_colors(final_colors, frame, result);
@@ -338,7 +342,8 @@ void Renderer::Implementation::capture(const Job& job, render::Frame& frame, ren
 }
 
 void Renderer::Implementation::draw_band(const Job& job, const Band& band, RenderResult& result) {
-  // Kernels run over lists of tiles, a workgroup each: as many as every device can dispatch in a row.
+  // Kernels run over lists of tiles with one workgroup per tile. This is the number that every device can
+  // dispatch in one dimension.
   constexpr std::uint64_t kMostTiles = 65'535;
   const std::uint64_t most = context.info().max_buffer_bytes;
   const auto halves = [&] {
@@ -372,7 +377,8 @@ bool Renderer::Implementation::choose_and_capture(const Job& job, const Band& ba
   render::check_technique(chosen.technique.info, job.options, context.info());
   chosen.sync = render::choose_sync(chosen.technique.info, job.options, context.info());
   counted.frame.sync = chosen.sync;
-  // What there is decides, where there is a budget; else the counts of the last frame would do.
+  // With a memory budget, the counts of this frame decide. Without one, the counts of the last frame would
+  // suffice.
   counted.needed = job.options.budget.bytes != 0;
   const CaptureStats before = result.stats;
   result.stats.pool_exceeded = false;
@@ -419,8 +425,8 @@ bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Co
   }
   const CaptureStats before_capture = result.stats;
   capture(job, frame, *technique, result, counted.counts);
-  // Layers may be larger than a pool that they share one after the other, and loops of a driver may end
-  // early: what is lost then would depend on the draw order.
+  // Layers that share a pool one after the other may be larger than the pool, and a driver may end loops
+  // early. What is lost then would depend on the draw order, so the band is captured again.
   const bool lost = !pool_exceeded && result.stats.overflowed > before_capture.overflowed;
   if (!lost || !job.technique.info.exact || !context.info().atomics64) return true;
   technique.reset();
@@ -463,12 +469,13 @@ std::unique_ptr<render::Technique> Renderer::Implementation::make_for_small_pool
 }
 
 RenderResult Renderer::Implementation::draw(Job job) {
-  // Nothing of it stays, however it ends.
+  // Releases everything that belongs to this draw, also when an error is thrown.
   struct Release {
     Implementation& self;
     bool finished = false;
     ~Release() {
-      // A residue that was begun is none; those of other bands are of another image.
+      // A residue is not valid if its frame was not finished. The residues of other bands belong to an image
+      // of another size.
       if (!finished) self.residues.clear();
       const auto of_another_image = [&](const auto& entry) {
         return !self.drawn_bands.contains(entry.first);
@@ -549,7 +556,7 @@ OverdrawCount Renderer::count_overdraw(const Camera& camera) {
   Implementation& self = *implementation_;
   self.refuse_if_lost();
   if (!self.scene) throw Error(ErrorKind::bad_argument, "nothing was loaded that could be drawn");
-  // An effect for which opaque surfaces are drawn like all others.
+  // With this effect, opaque surfaces are drawn like all others.
   RenderOptions options;
   options.effect = Effect::complexity;
   render::check_options(camera, options, info(), self.scene->object_count);

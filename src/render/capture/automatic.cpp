@@ -1,4 +1,4 @@
-// The choice of `auto`, and the history of draw orders that it goes by.
+// Implements automatic.h: the choice of `auto`, and the history of draw orders that it is based on.
 #include "render/capture/automatic.h"
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ bool fits(const AutomaticDemand& demand, std::uint64_t bytes) {
   return demand.memory == 0 || bytes <= demand.memory;
 }
 
-// Why verified blending is worth it; empty: it is not.
+// Returns why verified blending is worth it, or an empty text where it is not.
 std::string reason_to_verify(const AutomaticDemand& demand) {
   if (!demand.blends || !fits(demand, demand.verified_bytes)) return "";
   if (!demand.repairs) return "to see how many pixels the draw order draws in order";
@@ -67,14 +67,15 @@ AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
 }  // namespace
 
 double verified_by_lists(const AutomaticDemand& demand, const Repairs& repairs) {
-  // Of a triangle, of a fragment that is blended, and of one that is captured after it was blended; one that
-  // is put into a list and sorted: 1. Measured on a driver that runs on the CPU (docs/rendering.md).
+  // The cost of a triangle, of a fragment that is blended, and of a fragment that is captured after it was
+  // blended. The unit is the cost of a fragment that is put into a list and sorted. Measured on a driver that
+  // runs on the CPU (docs/rendering.md).
   constexpr double kTriangle = 0.7;
   constexpr double kBlendedFragment = 0.38;
   constexpr double kRepairedFragment = 0.8;
   const auto triangles = static_cast<double>(demand.triangles);
   const auto fragments = static_cast<double>(std::max<std::uint64_t>(demand.fragments, 1));
-  // Repairs draw what they need twice: to count, and to store.
+  // Repairs draw their triangles twice: to count fragments, and to store them.
   const double verified = kTriangle * triangles * (1 + 2 * repairs.triangles) +
                           (kBlendedFragment + kRepairedFragment * repairs.pixels) * fragments;
   return verified / (kTriangle * triangles + fragments);
@@ -132,7 +133,8 @@ TechniqueEntry automatic() {
 
 AutomaticDemand automatic_demand(const Frame& frame, const DrawOrderHistory& history) {
   constexpr std::uint64_t kNeverFits = std::numeric_limits<std::uint64_t>::max();
-  // Where lists are too long for the driver's loops, they are captured again, in bytes that are not reckoned.
+  // Where lists are too long for the loops of the driver, the frame is captured again, and the bytes that
+  // this takes are not known here. Such a technique counts as one that never fits.
   const auto bytes_of = [&](const TechniqueEntry& technique) {
     const bool again = frame.options.budget.bytes != 0 && ListResolve::ends_early(frame);
     return again ? kNeverFits : technique.make()->most_bytes(frame);

@@ -1,7 +1,8 @@
-// automatic.h - chooses the technique that `auto` takes for a frame, from counts of this frame and of the
-// frames before. Times have no part in it, so the same frames are drawn the same way on every run.
+// automatic.h - chooses the technique that `auto` takes for a frame. Counts of this frame and of earlier
+// frames go in, the name of a technique and the reason come out. The choice does not depend on times, so the
+// same frames are drawn in the same way on every run.
 //
-// docs/rendering.md, section 3, says what it chooses between, and where the limits are from.
+// docs/rendering.md, section 3, describes the choice and where the limits come from.
 #pragma once
 
 #include <cstdint>
@@ -12,45 +13,49 @@
 
 namespace pellucid::render {
 
-// Chains of more slots than this are slower than rounds.
+// Longer chains of slots are slower than capturing in rounds.
 constexpr std::uint64_t kMostChained = 64;
-// Number of frames that capture everything until the draw order is tried again.
+// After verified blending was not worth it, this number of frames capture everything before the draw order is
+// tried again.
 constexpr std::uint32_t kFramesUntilTrial = 16;
 
-// What became of a draw order that was verified: shares of the covered pixels, and of the
-// triangles that were drawn again for them.
+// What verified blending had to repair: the share of the covered pixels, and the share of the triangles that
+// were drawn again for them.
 struct Repairs {
   double pixels = 0, triangles = 0;
 };
 
 struct AutomaticDemand {
-  bool blends = true;                     // the effect does, and no fragments are to be kept
-  std::uint64_t memory = 0;               // bytes; 0: as many as it takes
-  Overflow overflow = Overflow::nearest;  // what is done where they do not suffice
+  bool blends = true;                     // the effect blends, and the caller does not keep fragments
+  std::uint64_t memory = 0;               // budget in bytes; 0: no limit
+  Overflow overflow = Overflow::nearest;  // what is done where the budget is too small
   bool atomics64 = true;
-  std::uint64_t deepest = 0;  // fragments of a pixel
+  std::uint64_t deepest = 0;  // the largest number of fragments of a pixel
   std::uint64_t fragments = 0, covered = 0, triangles = 0;
-  // When verified blending was last tried; none: not yet, or a trial is due.
+  // The repairs of the last trial of verified blending. Empty: there was no trial yet, or a new one is due.
   std::optional<Repairs> repairs;
-  std::uint64_t verified_bytes = 0, lists_bytes = 0, ranges_bytes = 0, slots_bytes = 0;  // at most
+  // Upper bounds of the bytes that `verified`, `ll`, `sb` and `k-plus` take.
+  std::uint64_t verified_bytes = 0, lists_bytes = 0, ranges_bytes = 0, slots_bytes = 0;
 };
 struct AutomaticChoice {
   std::string technique, reason;
 };
-// What a frame takes by verified blending where it needs these repairs; 1: by lists of all fragments.
+// Returns the estimated time of a frame by verified blending with these repairs, relative to lists of all
+// fragments.
 double verified_by_lists(const AutomaticDemand& demand, const Repairs& repairs);
 
-// Throws Error{bad_argument} where the budget is too small for what the device can do.
+// Chooses a technique. Throws Error{bad_argument} where the budget is too small for what the device supports.
 AutomaticChoice choose_technique(const AutomaticDemand& demand);
 
-// What `after` has more than `before`. What was captured again had to be repaired, all of it.
+// Returns the repairs of one frame, from the statistics before and after it. A frame that was captured again
+// counts as repaired completely.
 Repairs repairs_between(const CaptureStats& before, const CaptureStats& after, const AutomaticDemand& demand);
 
-// How well the draw order did in the last frames.
+// Remembers how many repairs the draw order needed in the last frames.
 class DrawOrderHistory {
  public:
   [[nodiscard]] std::optional<Repairs> repairs() const;
-  // `repairs`: of verified blending, else of no meaning.
+  // Adds a frame. `repairs` is used only if `technique` is "verified".
   void add_frame(const std::string& technique, const Repairs& repairs);
 
  private:
@@ -58,14 +63,14 @@ class DrawOrderHistory {
   std::uint32_t frames_since_ = 0;
 };
 
-// Without what only some of the techniques have a meaning for. Throws Error{bad_argument} for what one that
-// may be taken would refuse.
+// Returns the options for the chosen technique, without those that only some of the techniques use. Throws
+// Error{bad_argument} for values that one of the techniques would refuse.
 RenderOptions automatic_options(const RenderOptions& options);
 
-// Returns how `auto` is listed.
+// Returns the entry of `auto` in the list of techniques.
 TechniqueEntry automatic();
 
-// Of a frame that was counted.
+// Collects what choose_technique() needs from a frame whose fragments have been counted.
 AutomaticDemand automatic_demand(const Frame& frame, const DrawOrderHistory& history);
 
 }  // namespace pellucid::render

@@ -1,13 +1,13 @@
-// registry.h - every capture technique, one line each, in the order in which they are listed: that of the
-// paper's Table 1, then those that keep a tail, those that blend, and `auto`. How to add one:
-// docs/rendering.md.
+// registry.h - lists every capture technique, one per line, in the order in which they are shown: first those
+// of Table 1 of the paper, then those that keep a tail, those that blend, and `auto`. docs/rendering.md says
+// how to add one.
 #pragma once
 
 #include <memory>
 
 #include "render/capture/technique.h"
 
-// The name of a function that returns the TechniqueEntry, and the file that defines it.
+// Each line has the name of a function that returns the TechniqueEntry, and the file that defines it.
 #define PELLUCID_TECHNIQUES(X)                              \
   X(f2b)               /* peeling/front_to_back.cpp */      \
   X(f2b2)              /* peeling/front_to_back.cpp */      \
@@ -50,8 +50,8 @@ namespace pellucid::render {
 PELLUCID_TECHNIQUES(PELLUCID_DECLARE)
 #undef PELLUCID_DECLARE
 
-// Not on the list: what techniques that store in a pool turn to when the pool has too few nodes for the
-// fragments (buffers/nearest_rounds.cpp). It needs 64-bit atomics.
+// Returns the technique that replaces one whose pool has too few nodes for the fragments
+// (buffers/nearest_rounds.cpp). It is not in the list and needs 64-bit atomics.
 std::unique_ptr<Technique> nearest_rounds_in_pool(Overflow overflow);
 
 }  // namespace pellucid::render

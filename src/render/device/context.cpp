@@ -1,4 +1,4 @@
-// Choice of a device, its features, submission, and messages of validation.
+// Implements context.h: the choice of a device, its features, submission, and validation messages.
 #include "render/device/context.h"
 
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ const char* name_of(VkResult result) {
 VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT /*severity*/,
                                           VkDebugUtilsMessageTypeFlagsEXT type,
                                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-  // Drivers speak through the general type; only what validation says counts.
+  // Drivers send their own messages with the general type. Only validation messages are kept.
   if ((type & VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT) == 0) return VK_FALSE;
   auto* log = static_cast<ValidationLog*>(user);
   const std::scoped_lock lock(log->mutex);
@@ -77,7 +77,7 @@ std::optional<std::uint32_t> graphics_queue(VkPhysicalDevice device) {
   return std::nullopt;
 }
 
-// Real GPUs before the CPU driver; among equals the first one.
+// Prefers GPUs to a driver that runs on the CPU, and the first of several equal devices.
 int preference(VkPhysicalDeviceType type) {
   switch (type) {
     case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
@@ -99,7 +99,7 @@ std::string lower(std::string text) {
 
 constexpr std::uint32_t kMostOrderedAttachments = 8;  // shaders/capture/k_buffers/ordered_slots.frag
 
-// Of extensions that a device need not have.
+// Features of extensions that a device need not support.
 struct OptionalFeatures {
   VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
@@ -108,7 +108,7 @@ struct OptionalFeatures {
   VkPhysicalDeviceFragmentShaderInterlockFeaturesEXT interlock{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FRAGMENT_SHADER_INTERLOCK_FEATURES_EXT};
 
-  // Appends those that are wanted to a chain of structures.
+  // Appends the wanted structures to a chain.
   void chain(void** end, bool with_conditional, bool with_ordered, bool with_interlock) {
     const auto append = [&](bool wanted, auto& features) {
       if (!wanted) return;
@@ -121,7 +121,7 @@ struct OptionalFeatures {
   }
 };
 
-// Why a device cannot be used; empty: it can.
+// Returns why a device cannot be used, or an empty text if it can.
 std::string unfit(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
   if (properties.apiVersion < VK_API_VERSION_1_3) return "has no Vulkan 1.3";
   if (!graphics_queue(device)) return "has no queue for graphics and compute";
@@ -287,7 +287,7 @@ void Context::read_features() {
   info_.precise_queries = features.features.occlusionQueryPrecise == VK_TRUE;
   info_.conditional =
       optional.conditional.conditionalRendering == VK_TRUE && features.features.depthClamp == VK_TRUE;
-  // What is kept in slots is compared as keys of 64 bits.
+  // The fragments in the attachments are compared as 64-bit keys.
   if (optional.ordered.rasterizationOrderColorAttachmentAccess == VK_FALSE || !integers64_)
     info_.ordered_attachments = 0;
   info_.interlock = optional.interlock.fragmentShaderPixelInterlock == VK_TRUE && integers64_;
@@ -421,7 +421,7 @@ void Context::submit(const std::function<void(VkCommandBuffer)>& record) {
   call("submitting", [&] { return vkQueueSubmit2(queue_, 1, &submission, fence); });
   const VkResult waited =
       attempt("waiting", [&] { return vkWaitForFences(device_.handle, 1, &fence, VK_TRUE, UINT64_MAX); });
-  // What is still at work may not be destroyed; a device that was lost does not make us wait.
+  // Objects that the device still uses must not be destroyed. For a lost device this returns at once.
   if (waited != VK_SUCCESS) vkDeviceWaitIdle(device_.handle);
   check(waited, "waiting for the device");
 }

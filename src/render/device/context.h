@@ -1,8 +1,7 @@
-// context.h - the Vulkan instance, one device and one queue, without a window; validated on demand.
+// context.h - owns the Vulkan instance, one device and one queue, without a window. Validation is optional.
 //
-// A GPU is taken where there is one, else a driver that runs on the CPU. Everything is submitted through
-// `submit`, which waits: one command buffer per piece of work, so that synchronisation validation sees all of
-// its hazards.
+// A GPU is preferred to a driver that runs on the CPU. All work goes through submit(), which waits for the
+// end. One command buffer per piece of work lets synchronisation validation see all of its hazards.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -20,9 +19,10 @@
 
 namespace pellucid::render {
 
-// ---- Owners of Vulkan objects: destroyed in the reverse order of their making, on every path.
+// Owners of Vulkan objects. They destroy their objects in reverse order of creation, also when an error is
+// thrown.
 
-// A child of a device. `Destroy` is the vkDestroy* or vkFree* of its type.
+// An object that belongs to a device. `Destroy` is the vkDestroy* or vkFree* function of its type.
 template <class Handle, auto Destroy>
 class Owned {
  public:
@@ -64,10 +64,11 @@ using OwnedQueryPool = Owned<VkQueryPool, vkDestroyQueryPool>;
 using OwnedRenderPass = Owned<VkRenderPass, vkDestroyRenderPass>;
 using OwnedShaderModule = Owned<VkShaderModule, vkDestroyShaderModule>;
 
-// Throw Error{internal} that names the call and the result, with a remedy where there is one.
+// Throws Error{internal} unless the call succeeded. The message names the call and the result, and a remedy
+// if there is one.
 void check(VkResult result, std::string_view what);
 
-// What validation layers said; filled from any thread.
+// The messages of the validation layers, which may come from any thread.
 struct ValidationLog {
   std::mutex mutex;
   std::function<void(const std::string&)> on_message;
@@ -76,7 +77,7 @@ struct ValidationLog {
 
 class Context {
  public:
-  // Throws Error{bad_argument} where no device fits `options`, and names the devices that are there.
+  // Throws Error{bad_argument} that names the available devices if none of them fits `options`.
   explicit Context(const DeviceOptions& options);
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -86,26 +87,26 @@ class Context {
   [[nodiscard]] VkPipelineLayout pipeline_layout() const { return pipeline_layout_.get(); }
   [[nodiscard]] const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
   [[nodiscard]] PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }
-  // Only with DeviceInfo::conditional.
+  // Only available with DeviceInfo::conditional.
   [[nodiscard]] PFN_vkCmdBeginConditionalRenderingEXT begin_conditional() const { return begin_conditional_; }
   [[nodiscard]] PFN_vkCmdEndConditionalRenderingEXT end_conditional() const { return end_conditional_; }
   [[nodiscard]] double nanoseconds_per_tick() const { return nanoseconds_per_tick_; }
 
-  // Every call that may fail goes through one of these, so that tests can let it fail
-  // (DeviceOptions::fault); call() throws as check() does. Nothing is attempted once the device was lost.
+  // Make a call that may fail. All such calls go through one of these, so that tests can let them fail
+  // (DeviceOptions::fault). call() throws as check() does. Nothing is attempted after the device was lost.
   VkResult attempt(std::string_view what, const std::function<VkResult()>& make);
   void call(std::string_view what, const std::function<VkResult()>& make);
   [[nodiscard]] bool lost() const { return lost_; }
-  // Set 0 and push constants of all shaders, and perhaps a set 1.
+  // Makes a layout with set 0 and the push constants of all shaders, and optionally a set 1.
   OwnedPipelineLayout make_pipeline_layout(VkDescriptorSetLayout set_1 = VK_NULL_HANDLE);
 
-  // Record, run and wait. Throws Error{internal} on device loss.
+  // Records commands, submits them and waits for them. Throws Error{internal} if the device is lost.
   void submit(const std::function<void(VkCommandBuffer)>& record);
 
   [[nodiscard]] std::vector<std::string> validation_messages() const;
 
  private:
-  // Members are destroyed in reverse: what was made of a device goes before it.
+  // Members are destroyed in reverse order, so objects of a device are destroyed before the device.
   struct OwnedInstance {
     VkInstance handle = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
@@ -135,7 +136,7 @@ class Context {
   OwnedInstance instance_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkPhysicalDeviceMemoryProperties memory_{};
-  bool integers64_ = false;  // in shaders
+  bool integers64_ = false;  // shaders have 64-bit integers
   DeviceInfo info_;
   double nanoseconds_per_tick_ = 1;
   std::uint32_t queue_family_ = 0;
@@ -149,10 +150,11 @@ class Context {
   OwnedPipelineLayout pipeline_layout_;
 };
 
-// The one descriptor set that all shaders share (shaders/frame.glsl): storage buffers, then images.
+// Slots of the one descriptor set that all shaders share (shaders/frame.glsl): storage buffers come first,
+// then images.
 constexpr std::uint32_t kFirstImageSlot = 20;
 constexpr std::uint32_t kSlots = 24;
-// Bytes of push constants.
+// The number of bytes of push constants.
 constexpr std::uint32_t kPushBytes = 32;
 
 }  // namespace pellucid::render

@@ -1,4 +1,4 @@
-// Allocation of buffers and images, and copies through staging buffers.
+// Implements memory.h: allocation of buffers and images, and copies through staging buffers.
 #include "render/device/memory.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
-// memory.h - buffers and images with memory of their own, and copies of data to them and from them.
+// memory.h - buffers and images with their own memory, and copies of data to and from them.
 //
-// There is one allocation for each object, as a frame has a few dozen. Every failure names what was asked
-// for.
+// There is one allocation per object, because a frame has only a few dozen. Every error names the object.
 #pragma once
 
 #include <cstddef>
@@ -16,21 +15,22 @@ namespace pellucid::render {
 
 enum class MemoryKind {
   device,   // fastest for the device; the host reads and writes by copies
-  readback  // the host reads it where it lies
+  readback  // mapped: the host reads it directly
 };
 
 class Buffer {
  public:
   Buffer() = default;
-  // `name` is what an error calls it ("fragment pool"). Storage, transfer, vertex and index use are allowed.
-  // Throws Error{bad_argument} beyond what a shader can address, Error{internal} out of memory.
+  // `name` appears in errors ("fragment pool"). Usage for storage, transfer, vertices and indices is allowed.
+  // Throws Error{bad_argument} for more bytes than a shader can address, and Error{internal} if memory is
+  // exhausted.
   Buffer(Context& context, const std::string& name, std::uint64_t bytes,
          MemoryKind kind = MemoryKind::device);
   [[nodiscard]] VkBuffer get() const { return buffer_.get(); }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   explicit operator bool() const { return static_cast<bool>(buffer_); }
 
-  // Waits for the device.
+  // Copy data to the buffer and from it. Both wait for the device.
   void upload(Context& context, std::span<const std::byte> data) const;
   void download(Context& context, std::span<std::byte> data, std::uint64_t offset = 0) const;
 
@@ -54,8 +54,8 @@ Buffer make_filled(Context& context, const std::string& name, const std::vector<
 }
 
 enum class ImageUse {
-  attachment,  // and to be read by shaders afterwards
-  read_back    // by the fragment shaders that write it, too
+  attachment,  // written as an attachment, and read by shaders afterwards
+  read_back    // also read by the fragment shaders that write it
 };
 
 struct ImageSpec {
@@ -67,17 +67,17 @@ struct ImageSpec {
   }
 };
 
-// An attachment that shaders read by texelFetch. Its layout is GENERAL from its first use on.
+// An attachment that shaders read by texelFetch. Its layout is GENERAL after its first use.
 class Image {
  public:
   Image() = default;
   Image(Context& context, const std::string& name, const ImageSpec& spec);
-  // What it would take: devices may round up.
+  // Returns the bytes that an image would take. Devices may round up.
   static std::uint64_t bytes_needed(const Context& context, const ImageSpec& spec);
   [[nodiscard]] VkImage get() const { return image_.get(); }
   [[nodiscard]] VkImageView view() const { return view_.get(); }             // all layers, as an attachment
-  [[nodiscard]] VkImageView sampled_view() const { return sampled_.get(); }  // what shaders read: no stencil
-  [[nodiscard]] VkImageView stencil_view() const { return stencil_.get(); }  // the same of it alone
+  [[nodiscard]] VkImageView sampled_view() const { return sampled_.get(); }  // for shaders, without stencil
+  [[nodiscard]] VkImageView stencil_view() const { return stencil_.get(); }  // for shaders, stencil only
   [[nodiscard]] const ImageSpec& spec() const { return spec_; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   explicit operator bool() const { return static_cast<bool>(image_); }

@@ -1,4 +1,4 @@
-// Render passes, framebuffers and descriptor sets of ordered attachments.
+// Implements ordered_attachments.h: render passes, framebuffers and descriptor sets.
 #include "render/device/ordered_attachments.h"
 
 namespace pellucid::render {
@@ -23,7 +23,7 @@ OwnedRenderPass make_render_pass(Context& context, std::uint32_t attachments) {
       .pInputAttachments = references.data(),
       .colorAttachmentCount = attachments,
       .pColorAttachments = references.data()};
-  // Reading what the same pixel wrote, in the same subpass.
+  // Fragments read what earlier fragments of the same pixel wrote in the same subpass.
   const VkSubpassDependency itself{.srcSubpass = 0,
                                    .dstSubpass = 0,
                                    .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,

@@ -1,6 +1,6 @@
-// ordered_attachments.h - colour attachments that fragment shaders read back: fragments of a pixel come one
-// after the other, in draw order (VK_EXT_rasterization_order_attachment_access). This needs a render pass of
-// the older kind and input attachments.
+// ordered_attachments.h - colour attachments that fragment shaders can read back. The fragments of a pixel
+// run one after the other in draw order (VK_EXT_rasterization_order_attachment_access). This needs an
+// old-style render pass and input attachments.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,13 @@ namespace pellucid::render {
 
 constexpr VkFormat kOrderedFormat = VK_FORMAT_R32G32B32A32_UINT;
 
-// 128-bit attachments that hold k fragments of three words.
+// Returns the number of 128-bit attachments that hold k fragments of three words.
 constexpr std::uint32_t ordered_attachments_for(std::uint32_t k) {
   return (3 * k + 3) / 4;
 }
 
-// What all passes with the same number of attachments share; set 0 is that of all other passes.
+// Objects that all passes with the same number of attachments share. Set 0 is the same as in all other
+// passes.
 class OrderedLayout {
  public:
   OrderedLayout(Context& context, std::uint32_t attachments);
@@ -33,11 +34,11 @@ class OrderedLayout {
   OwnedPipelineLayout pipeline_layout_;
 };
 
-// The attachments as layers of one image.
+// Attachments that are the layers of one image.
 class OrderedTarget {
  public:
   OrderedTarget() = default;
-  // `layers` has at least two, and has to outlive it.
+  // `layers` must have at least two layers and must outlive this object.
   OrderedTarget(Context& context, const OrderedLayout& layout, const Image& layers);
   [[nodiscard]] VkFramebuffer framebuffer() const { return framebuffer_.get(); }
   [[nodiscard]] VkDescriptorSet set() const { return set_; }
@@ -48,7 +49,7 @@ class OrderedTarget {
   std::vector<OwnedImageView> views_;
   OwnedFramebuffer framebuffer_;
   OwnedDescriptorPool pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;  // the pool's
+  VkDescriptorSet set_ = VK_NULL_HANDLE;  // belongs to the pool
 };
 
 }  // namespace pellucid::render

@@ -1,4 +1,4 @@
-// Pipelines from specifications: blending, depth, stencil and specialisation constants.
+// Implements pipeline.h: blending, depth, stencil and specialisation constants.
 #include "render/device/pipeline.h"
 
 #include <cassert>
@@ -23,7 +23,7 @@ OwnedShaderModule load(Context& context, std::string_view name) {
   return load(context, shader_code(name));
 }
 
-// Points into `constants`, which has to outlive it.
+// Points into `constants`, which must outlive this object.
 class Specialization {
  public:
   explicit Specialization(const Constants& constants) {
@@ -103,7 +103,7 @@ VkPipelineDepthStencilStateCreateInfo depth_state(const GraphicsSpec& spec) {
           .back = stencil};
 }
 
-// Position and normal, from buffers of their own.
+// Position and normal come from separate buffers.
 constexpr std::array<VkVertexInputBindingDescription, 2> kVertexBuffers{
     {{.binding = 0, .stride = 12, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX},
      {.binding = 1, .stride = 12, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX}}};

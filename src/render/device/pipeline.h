@@ -1,4 +1,5 @@
-// pipeline.h - makes graphics and compute pipelines from embedded shaders, specialised by constants.
+// pipeline.h - makes graphics and compute pipelines. Embedded shaders and specialisation constants go in,
+// pipelines come out.
 #pragma once
 
 #include <array>
@@ -22,15 +23,15 @@ class OrderedLayout;
 // Specialisation constants 0, 1, 2, ... of a shader.
 using Constants = std::vector<std::uint32_t>;
 
-enum class Blend { none, max, add, under };  // under: premultiplied, front to back: dst + (1 - dst.a) src
-// What Blend::under accumulates: premultiplied colours, and 1 - transmittance.
+enum class Blend { none, max, add, under };  // under: dst + (1 - dst.a) src
+// The format that Blend::under accumulates: premultiplied colours, front to back, and 1 - transmittance.
 constexpr VkFormat kBlended = VK_FORMAT_R32G32B32A32_SFLOAT;
 enum class DepthTest { none, less, less_or_equal, equal, greater };
 enum class Stencil {
   none,
-  route,   // pass where it equals 2, then decrement what passed and what failed alike
-  mark,    // count what fails the depth test
-  marked,  // pass where it is not 0
+  route,   // passes where the stencil is 2, and then decrements it whether it passed or not
+  mark,    // counts the fragments that fail the depth test
+  marked,  // passes where the stencil is not 0
 };
 
 struct GraphicsSpec {
@@ -43,11 +44,11 @@ struct GraphicsSpec {
   bool depth_write = false;
   std::string_view vertex_shader = "scene/scene.vert";
   Stencil stencil = Stencil::none;
-  bool clamp_depth = false;                // in place of clipping at the near and the far plane
+  bool clamp_depth = false;                // instead of clipping at the near and far planes
   const OrderedLayout* ordered = nullptr;  // the colours are ordered attachments
 };
 
-// Pipelines over scene triangles: one that draws both sides, one that culls back faces.
+// Two pipelines over the triangles of a scene: one draws both sides, the other culls back faces.
 struct ScenePipeline {
   OwnedPipeline two_sided, culled;
 };

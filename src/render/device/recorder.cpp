@@ -1,4 +1,4 @@
-// Commands: passes over the scene, kernels, descriptors, barriers and timestamps.
+// Implements recorder.h: passes over the scene, kernels, descriptors, barriers and timestamps.
 #include "render/device/recorder.h"
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 namespace pellucid::render {
 namespace {
 
-// Vulkan's standard places of four samples in a pixel, as in shaders/scene/samples.glsl. Samples are
-// drawn as images of their own: what is kept in attachments of integers, or by stencils, has them as well,
-// which multisampled images on lavapipe do not have.
+// The standard positions of four samples in a pixel (Vulkan), as in shaders/scene/samples.glsl. Samples are
+// drawn as images of their own, because integer attachments and stencils need samples as well, and lavapipe
+// does not support such multisampled images.
 constexpr std::array<std::array<float, 2>, 4> kSamplePlaces{
     {{0.375F, 0.125F}, {0.875F, 0.375F}, {0.125F, 0.625F}, {0.625F, 0.875F}}};
 
@@ -207,8 +207,8 @@ void Recorder::set_window(const Attachments& attachments, std::uint32_t sample) 
   const std::uint32_t rows = attachments.height / attachments.samples;
   const std::array<float, 2> place =
       attachments.samples == 1 ? std::array{0.5F, 0.5F} : kSamplePlaces.at(sample);
-  // A band is a window on the whole image: moved by whole pixels, nothing rasterises differently. A sample
-  // moves it by eighths, so that the sample's place gets where the centre of the pixel is.
+  // A band is a window on the whole image. It is moved by whole pixels, so nothing is rasterised differently.
+  // Samples move it by eighths of a pixel, so that the position of the sample becomes the pixel centre.
   const auto top = static_cast<std::int32_t>(sample * rows);
   const VkViewport viewport{.x = 0.5F - place[0],
                             .y = static_cast<float>(top - attachments.first_row) + 0.5F - place[1],
@@ -335,7 +335,7 @@ void Recorder::end_time() {
 }
 
 void Recorder::write_timestamp() {
-  // Some drivers let a timestamp slip into the next pass: a barrier right behind it holds it where it is.
+  // Some drivers let a timestamp slip into the next pass. A barrier right behind it prevents that.
   vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, used_timestamps_++);
   barrier();
 }

@@ -1,8 +1,8 @@
-// recorder.h - records the commands of a technique: draw the scene into these attachments, run this kernel,
-// wait.
+// recorder.h - records the commands of a technique: geometry passes into attachments, compute kernels, and
+// barriers.
 //
-// All images stay in the layout GENERAL, and `barrier` makes everything before it visible to everything after
-// it: passes over a whole image are long, and what a finer barrier saves is not measurable beside them.
+// All images stay in the layout GENERAL, and barrier() makes everything before it visible to everything after
+// it. Passes over a whole image are long, so finer barriers save no measurable time.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace pellucid::render {
 struct DrawRange;
 struct GpuScene;
 
-// Slots of the descriptor set: shaders/frame.glsl.
+// Slots of the descriptor set, with the names of shaders/frame.glsl.
 enum class Slot : std::uint32_t {
   frame,
   triangles,
@@ -47,8 +47,8 @@ enum class Slot : std::uint32_t {
   opaque
 };
 
-// Rounds of a technique that peels that one submission may have, and timestamps: begin, begin and end of the
-// resolve of each, end.
+// The largest number of peeling rounds in one submission, and of timestamps: one at the beginning, two for
+// the resolve of each round, and one at the end.
 constexpr std::uint32_t kMostRounds = 8;
 constexpr std::uint32_t kMostTimestamps = 2 + 2 * kMostRounds;
 
@@ -62,31 +62,33 @@ static_assert(sizeof(PushConstants) <= kPushBytes);
 struct Attachments {
   std::vector<const Image*> colors;
   const Image* depth = nullptr;
-  bool clear = true;        // colours to `clear_color`, depth to `clear_depth`, stencils to 0; else loaded
-  bool load_depth = false;  // with `clear`: only the colours
+  // Clears colours to `clear_color`, depth to `clear_depth` and stencils to 0. Otherwise all are loaded.
+  bool clear = true;
+  bool load_depth = false;  // with `clear`: clears only the colours
   VkClearColorValue clear_color{};
   float clear_depth = 1;
-  bool stencil = false;                 // `depth` has one, which is used
-  bool number_stencils = false;         // with `clear`: they start at their layer + 2
+  bool stencil = false;                 // use the stencil of `depth`
+  bool number_stencils = false;         // with `clear`: stencils start at their layer + 2
   std::uint32_t width = 0, height = 0;  // of the pass
-  std::uint32_t samples = 1;            // of a pixel: copies of the band, below each other
-  std::int32_t first_row = 0;           // of the band in the image
+  std::uint32_t samples = 1;            // per pixel: copies of the band, below each other
+  std::int32_t first_row = 0;           // of the band within the image
   std::uint32_t image_height = 0;
-  std::uint32_t layers = 1;  // more: one instance to each
+  std::uint32_t layers = 1;  // if more than 1, each layer gets one instance
 };
 
-// Boxes that are drawn one by one, each with a query whose result decides whether it is drawn the next time.
+// Boxes that are drawn one by one, each with a query. The result decides whether the box is drawn the next
+// time.
 struct QueriedBoxes {
-  const Buffer& corners;  // eight each
+  const Buffer& corners;  // eight per box
   const Buffer& indices;
   std::uint32_t index_count = 0;
-  const Buffer& predicates;  // a word each
+  const Buffer& predicates;  // one word per box
   VkQueryPool queries = VK_NULL_HANDLE;
   std::uint32_t count = 0;
 };
 
-// Chosen on the device: of each range of the scene as many triangles as its draw's arguments say, from its
-// first on.
+// Triangles that the device has chosen: for each range of the scene the first ones, as many as the arguments
+// of its draw say.
 struct SomeTriangles {
   const Buffer& indices;
   const Buffer& arguments;  // VkDrawIndexedIndirectCommand of each range
@@ -94,8 +96,7 @@ struct SomeTriangles {
 
 class Recorder {
  public:
-  // All buffer slots hold `unused` until something else is bound.
-  // `timestamps`: kMostTimestamps queries.
+  // All buffer slots hold `unused` until something else is bound. `timestamps` has kMostTimestamps queries.
   Recorder(Context& context, VkCommandBuffer commands, const Buffer& unused, VkQueryPool timestamps);
 
   void bind(Slot slot, const Buffer& buffer);
@@ -103,37 +104,38 @@ class Recorder {
   void bind_stencil(Slot slot, const Image& image);
   PushConstants& push() { return push_; }
 
-  // Before the first use of an image.
+  // Prepares an image for its first use.
   void prepare(const Image& image);
   void barrier();
-  void barrier_to_host();  // for what the host reads after the submission
+  void barrier_to_host();  // makes everything visible to the host after the submission
   void fill(const Buffer& buffer, std::uint32_t word);
   void fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes);
 
-  // One geometry pass: all triangles of the scene, or some of them.
+  // Draws one geometry pass: all triangles of the scene, or some of them.
   void draw(const GpuScene& scene, const ScenePipeline& pipeline, const Attachments& attachments,
             const SomeTriangles* some = nullptr);
-  // The same into ordered attachments, whose words all start as 0xFFFFFFFF.
+  // Does the same into ordered attachments, whose words all start as 0xFFFFFFFF.
   void draw_ordered(const GpuScene& scene, const ScenePipeline& pipeline, const OrderedTarget& target,
                     const Attachments& window);
-  // From now on draw() draws these instead of the scene's ranges, each one if its word in `predicates` is not
-  // 0.
+  // Makes later calls of draw() draw these groups instead of the ranges of the scene. A group is drawn only
+  // if its word in `predicates` is not 0.
   void draw_groups(std::span<const DrawRange> groups, const Buffer& predicates);
-  // Far sides of boxes, culled by winding; push.p0 is the box.
+  // Draws the far sides of boxes; winding culls the near sides. push.p0 is the number of the box.
   void draw_boxes(const QueriedBoxes& boxes, const ScenePipeline& pipeline, const Attachments& attachments);
   void dispatch(const OwnedPipeline& pipeline, std::uint32_t groups_x, std::uint32_t groups_y);
-  // The three words at `offset` are the numbers of groups.
+  // Dispatches as many groups as the three words at `offset` say.
   void dispatch_indirect(const OwnedPipeline& pipeline, const Buffer& arguments, std::uint64_t offset);
   void count_fullscreen_pass() { ++fullscreen_passes_; }
 
   void begin_time();
-  // What was captured is sorted and folded from here on, until end_resolve() or end_time().
+  // Marks the time from here to end_resolve() or end_time() as sorting and folding.
   void begin_resolve();
   void end_resolve();
   void end_time();
   [[nodiscard]] std::uint32_t timestamps() const { return used_timestamps_; }
 
-  // Draws and dispatches in between are left out where the word at `index` is 0, not those of draw_groups().
+  // Skips draws and dispatches up to end_if() if the word at `index` is 0. Draws by draw_groups() are not
+  // affected.
   void begin_if(const Buffer& predicates, std::size_t index);
   void end_if();
   void copy_word(const Buffer& from, std::uint64_t from_offset, const Buffer& to, std::uint64_t to_offset);
@@ -147,7 +149,7 @@ class Recorder {
   void draw_triangles(const GpuScene& scene, const ScenePipeline& pipeline, std::uint32_t layers,
                       const SomeTriangles* some);
   void set_window(const Attachments& attachments, std::uint32_t sample);
-  // The window of each sample in turn.
+  // Calls `draw` with the window of each sample in turn.
   template <class Draw>
   void for_each_sample(const Attachments& attachments, const Draw& draw) {
     for (std::uint32_t sample = 0; sample < attachments.samples; ++sample) {

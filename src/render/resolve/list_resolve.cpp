@@ -1,4 +1,4 @@
-// Sorting and folding of stored lists by classes of tiles.
+// Implements list_resolve.h: sorts and folds lists by classes of tiles.
 #include "render/resolve/list_resolve.h"
 
 #include <array>
@@ -6,7 +6,7 @@
 namespace pellucid::render {
 namespace {
 
-// Classes of shaders/resolve/tiles.glsl.
+// The classes of tiles, as in shaders/resolve/tiles.glsl.
 struct TileClass {
   const char* kernel;
   std::uint64_t more_than;  // fragments in the longest list of the tile
@@ -20,7 +20,7 @@ std::uint64_t ListResolve::bytes(const Frame& frame) {
 }
 
 bool ListResolve::ends_early(const Frame& frame) {
-  // As fold_bucket() of shaders/resolve/lists.comp counts its turns, where lists are LONG.
+  // This counts turns as fold_bucket() of shaders/resolve/lists.comp does for LONG lists.
   constexpr std::uint64_t kRoom = 32;
   const std::uint64_t count = frame.deepest;
   if (count <= kClasses.back().more_than) return false;
@@ -50,7 +50,7 @@ void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k,
   recorder.barrier();
   recorder.push().p[0] = loop_budget(frame.context.info());
   for (std::uint32_t i = 0; i < kClasses.size(); ++i) {
-    // Classes that no pixel of the frame can need are not even compiled.
+    // Kernels of classes that no pixel of the frame needs are not even compiled.
     if (i > 0 && frame.deepest <= kClasses.at(i).more_than) break;
     recorder.push().p[1] = i;
     const std::string kernel = frame.options.plain_resolve ? "plain" : kClasses.at(i).kernel;
@@ -59,7 +59,7 @@ void ListResolve::record(Frame& frame, Recorder& recorder, std::uint32_t k,
         12 * std::uint64_t{i});
     recorder.barrier();
   }
-  recorder.count_fullscreen_pass();  // every tile is in one class
+  recorder.count_fullscreen_pass();  // one pass in all, because every tile is in one class
 }
 
 }  // namespace pellucid::render

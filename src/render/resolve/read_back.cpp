@@ -1,4 +1,4 @@
-// Copies of colours and fragments from the device into a RenderResult.
+// Implements read_back.h: copies colours and fragments from the device into a RenderResult.
 #include "render/resolve/read_back.h"
 
 #include <array>
@@ -7,7 +7,7 @@
 namespace pellucid::render {
 namespace {
 
-// As shaders/frame.glsl packs it.
+// Unpacks a colour that shaders/frame.glsl packed.
 std::array<float, 4> unpack_color(std::uint32_t packed) {
   const auto channel = [&](unsigned shift) { return static_cast<float>((packed >> shift) & 255U) / 255.0F; };
   const auto linear = [&](unsigned shift) { return 2 * channel(shift) * channel(shift); };
@@ -40,7 +40,7 @@ void read_fragments(const Buffer& dump, const Frame& frame, const std::vector<st
   for (std::size_t n = 0; n + 1 < offsets.size(); ++n) {
     const std::uint64_t p = frame.sample_at(n / samples, static_cast<std::uint32_t>(n % samples));
     for (std::uint32_t i = offsets[p]; i < offsets[p + 1]; ++i) {
-      // Places that the technique left empty have no id.
+      // Entries that the technique left empty have the id 0.
       if (values[i][1] == 0) continue;
       out.fragments.push_back({std::bit_cast<float>(values[i][0]), values[i][1] - 2});
       if (colored) out.colors.push_back(unpack_color(values[i][2]));

@@ -1,4 +1,4 @@
-// read_back.h - copies what a frame left on the device into a RenderResult: colours of an image or a band,
+// read_back.h - copies what a frame left on the device into a RenderResult: the colours of an image or band,
 // and the fragments of every pixel.
 #pragma once
 
@@ -12,10 +12,10 @@ namespace pellucid::render {
 
 constexpr std::size_t kDumpWords = 3;  // words of a fragment: dump_write() of shaders/resolve/effects.glsl
 
-// Appends the colours of a band to those that `result` has, with the samples of a pixel averaged.
+// Appends the colours of a band to those of `result`, and averages the samples of a pixel.
 void read_colors(const Buffer& final_colors, const Frame& frame, RenderResult& result);
-// Appends the fragments that kDumpEffect wrote. `offsets` has the first one of every pixel and sample of the
-// band, and the end. `colored`: with their colours.
+// Appends the fragments that kDumpEffect wrote. `offsets` has the first fragment of every pixel and sample of
+// the band, and the end. With `colored`, their colours are appended, too.
 void read_fragments(const Buffer& dump, const Frame& frame, const std::vector<std::uint32_t>& offsets,
                     bool colored, RenderResult& result);
 

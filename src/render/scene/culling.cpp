@@ -1,4 +1,4 @@
-// Boxes of groups of triangles, and the queries that cull them.
+// Implements culling.h: boxes of groups of triangles, and the queries that cull them.
 #include "render/scene/culling.h"
 
 #include <array>
@@ -6,7 +6,7 @@
 namespace pellucid::render {
 namespace {
 
-// Far sides only, once back faces are culled: wound the wrong way around.
+// The triangles of a box are wound the wrong way round, so that culling of back faces leaves the far sides.
 constexpr std::array<std::uint32_t, 36> kFarSides{0, 3, 2, 0, 1, 3, 4, 7, 5, 4, 6, 7, 0, 6, 4, 0, 2, 6,
                                                   1, 7, 3, 1, 5, 7, 0, 5, 1, 0, 4, 5, 2, 7, 6, 2, 3, 7};
 

@@ -1,4 +1,4 @@
-// Checks a scene, sorts its triangles for drawing and copies it to the device.
+// Implements gpu_scene.h: checks a scene, sorts its triangles for drawing and copies it to the device.
 #include "render/scene/gpu_scene.h"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 namespace pellucid::render {
 namespace {
 
-// Ids are 2 * (triangle + 1) + side in 32 bits.
+// Ids are 2 * (triangle + 1) + side and must fit into 32 bits.
 constexpr std::uint64_t kMostTriangles = (1ULL << 31U) - 2;
 
 [[noreturn]] void complain(const std::string& what) {
@@ -67,7 +67,7 @@ Triangle smallest_corner_first(const Triangle& t, const std::vector<Vec3f>& posi
   return t;
 }
 
-// What each surface means for a triangle's place in the draw order.
+// The draw order of the triangles by their surfaces, and the ranges of equal surfaces in it.
 struct SortedTriangles {
   std::vector<std::uint32_t> triangles;
   std::vector<DrawRange> ranges;
@@ -107,7 +107,7 @@ void grow(TriangleGroup& group, const Vec3f& p) {
 constexpr float kFar = std::numeric_limits<float>::max();
 constexpr TriangleGroup kNoTriangles{.range = {}, .low = {kFar, kFar, kFar}, .high = {-kFar, -kFar, -kFar}};
 
-// About 256 groups, each of one object where objects are not tiny.
+// Returns about 256 groups. Each belongs to one object, except where objects are tiny.
 std::vector<TriangleGroup> groups_of(const RenderScene& scene, const SortedTriangles& order) {
   const std::size_t most = std::max<std::size_t>(32, order.triangles.size() / 256);
   const auto object = [&](std::uint32_t place) { return scene.objects[order.triangles[place]]; };
@@ -146,7 +146,7 @@ GpuSurface gpu_surface(const Surface& s) {
           .opaque = s.opaque ? 1U : 0U};
 }
 
-// Six numbers a vertex.
+// Returns six numbers per vertex: texture coordinates and colour.
 std::vector<float> attributes_of(const RenderScene& scene) {
   std::vector<float> numbers;
   numbers.reserve(6 * scene.positions.size());
@@ -165,13 +165,14 @@ std::vector<float> attributes_of(const RenderScene& scene) {
   return numbers;
 }
 
-// As `shaders/scene/texture.glsl` reads it: two bits each, a bit for each filter.
+// Packs the sampling as shaders/scene/texture.glsl reads it: two bits for each mode and one for each filter.
 std::uint32_t packed(const TextureSampling& s) {
   const auto bits = [](auto choice, unsigned shift) { return static_cast<std::uint32_t>(choice) << shift; };
   return bits(s.wrap_u, 0) | bits(s.wrap_v, 2) | bits(s.levels, 4) | bits(s.magnify, 6) | bits(s.minify, 7);
 }
 
-// A head of 20 words for each: sides, levels, sampling, where each level begins; then all texels.
+// Returns a head of 20 words per texture (sides, levels, sampling, where each level begins), and then all
+// texels.
 std::vector<std::uint32_t> texture_words(const std::vector<TextureLevels>& textures) {
   constexpr std::size_t kHeadWords = 4 + kMostLevels;
   std::vector<std::uint32_t> words(kHeadWords * textures.size());

@@ -1,9 +1,9 @@
 // gpu_scene.h - copies a RenderScene to the device. Triangles go in, buffers and the ranges to draw come out.
 //
-// Triangles are rotated so that their smallest corner comes first: two that coincide then get the same depths
-// to the bit, however their corners were listed. Translucent triangles come first, among them the
-// double-sided ones before the others. Opaque ones follow from the last to the first, so that of several at
-// one depth the one of the smallest id is drawn over the others.
+// Triangles are rotated so that their smallest corner comes first. Two coincident triangles then get the same
+// depths to the bit, however their corners were listed. Translucent triangles are drawn first, the
+// double-sided ones before the others. Opaque triangles follow in falling order of their ids, so that the
+// smallest id is drawn last and wins where depths are equal.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ struct DrawRange {
   std::uint32_t first_triangle = 0, triangles = 0;
   bool culled = false;  // back faces are not drawn
   bool opaque = false;
-  bool cut_out = false;  // of some triangles fragments are cut out
+  bool cut_out = false;  // some triangles have fragments that are cut out
 };
 
-// Neighbours in the draw order, with a box that is somewhat larger than they are: more than what
-// rasterisation rounds.
+// Triangles that are neighbours in the draw order, with their bounding box. The box is enlarged by more than
+// the rounding of rasterisation.
 struct TriangleGroup {
   DrawRange range;
   Vec3f low, high;
@@ -31,13 +31,13 @@ struct TriangleGroup {
 struct GpuScene {
   Buffer positions, normals;
   Buffer indices;
-  Buffer triangles;   // as drawn: object, number of the triangle in the RenderScene
-  Buffer objects;     // of the RenderScene's triangles
+  Buffer triangles;   // in draw order: object, and number of the triangle in the RenderScene
+  Buffer objects;     // object of every triangle of the RenderScene
   Buffer surfaces;    // GpuSurface
-  Buffer attributes;  // of vertices: texture coordinates and colour; none where all are white
-  Buffer textures;    // words: shaders/scene/texture.glsl; none without textures
+  Buffer attributes;  // per vertex: texture coordinates and colour; empty if all are white
+  Buffer textures;    // words of shaders/scene/texture.glsl; empty without textures
   std::vector<DrawRange> all_ranges;
-  std::vector<DrawRange> ranges;  // of these, what a pass draws: see draw_all() and the others
+  std::vector<DrawRange> ranges;  // those that a pass draws: see draw_all() and draw_only()
   std::vector<TriangleGroup> all_groups;
   std::vector<TriangleGroup> groups;  // the same triangles as `ranges`
   std::uint32_t object_count = 0;
@@ -45,19 +45,19 @@ struct GpuScene {
   void draw_all();
   void draw_only(bool opaque);
   [[nodiscard]] bool has_opaque() const;
-  // Of what a pass draws: a sum of Feature (frame.h).
+  // Returns the features of what a pass draws: a sum of Feature (frame.h).
   [[nodiscard]] std::uint32_t features() const;
 };
 
-// std430, shaders/scene/fragment_input.glsl
+// A surface as shaders/scene/fragment_input.glsl reads it (std430).
 struct GpuSurface {
-  std::array<float, 4> color{};  // and alpha
-  std::uint32_t texture = 0;     // 0xFFFFFFFF: none
+  std::array<float, 4> color{};  // colour and alpha
+  std::uint32_t texture = 0;     // 0xFFFFFFFF: no texture
   float cutoff = 0;
   std::uint32_t opaque = 0, unused = 0;
 };
 
-// Throws Error{bad_argument} for members that do not fit together.
+// Checks the scene and copies it. Throws Error{bad_argument} if its members do not fit together.
 GpuScene upload_scene(Context& context, const RenderScene& scene);
 
 }  // namespace pellucid::render

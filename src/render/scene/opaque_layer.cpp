@@ -1,4 +1,4 @@
-// The pass over opaque surfaces.
+// Implements opaque_layer.h: the pass over opaque surfaces.
 #include "render/scene/opaque_layer.h"
 
 namespace pellucid::render {
@@ -25,7 +25,7 @@ void OpaqueLayer::draw(const Frame& frame, Recorder& recorder) const {
   Attachments attachments = frame.attachments();
   attachments.colors = {&nearest_};
   attachments.depth = &depth_;
-  // The draw order is that of falling ids: where depths are equal the smallest one stays.
+  // Triangles are drawn in falling order of their ids, so the smallest id remains where depths are equal.
   recorder.draw(frame.scene,
                 frame.pipelines.scene({.fragment_shader = "scene/opaque.frag",
                                        .constants = {frame.effect},

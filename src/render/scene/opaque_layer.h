@@ -1,5 +1,5 @@
-// opaque_layer.h - draws opaque surfaces before anything is captured. What lies behind them does not count as
-// a fragment, and their colours are seen through those that remain. Shaders: scene/opaque.glsl.
+// opaque_layer.h - draws opaque surfaces before anything is captured. Surfaces behind them do not count as
+// fragments, and their colours show through the fragments that remain. Shaders: scene/opaque.glsl.
 #pragma once
 
 #include "render/frame.h"
@@ -11,7 +11,7 @@ class OpaqueLayer {
  public:
   // Returns whether there is something to draw before the effect can be captured.
   static bool needed(const Frame& frame) { return blends(frame.options.effect) && frame.scene.has_opaque(); }
-  // With nothing to draw, makes an image of a single pixel, which no shader reads.
+  // If there is nothing to draw, makes an image of a single pixel, which no shader reads.
   explicit OpaqueLayer(const Frame& frame);
   void draw(const Frame& frame, Recorder& recorder) const;
   [[nodiscard]] const Image& nearest() const { return nearest_; }

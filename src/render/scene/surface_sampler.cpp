@@ -1,4 +1,4 @@
-// Colour and opacity at a fragment: perspective weights, wrapped and filtered texels.
+// Implements surface_sampler.h: perspective weights, and wrapped and filtered texels.
 #include "render/scene/surface_sampler.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ Color times(const Color& a, const Color& b) {
   return {a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]};
 }
 
-// The texel that number `i` of a row of `count` is, counted on without end.
+// Returns the texel of a row of `count` that the index `i`, which may lie outside of the row, is wrapped to.
 std::int64_t texel_of(double i, std::int64_t count, TextureWrap wrap) {
   if (wrap == TextureWrap::clamp)
     return static_cast<std::int64_t>(std::clamp(i, 0.0, static_cast<double>(count - 1)));
@@ -62,7 +62,7 @@ SurfaceSampler::Weights SurfaceSampler::weights_at(const Place& point, const Tri
                        camera_.up * ((0.5 * camera_.height - point[1]) * unit);
   const Vec3d origin = camera_.perspective ? camera_.eye : camera_.eye + across;
   const Vec3d direction = camera_.perspective ? camera_.forward + across : camera_.forward;
-  // Volumes of the three tetrahedra that the ray makes with the edges.
+  // The weights are the volumes of the three tetrahedra that the ray makes with the edges.
   std::array<Vec3d, 3> corners;
   for (std::size_t i = 0; i < 3; ++i) corners.at(i) = to_double(scene_.positions[triangle.at(i)]) - origin;
   Weights weights{};
@@ -110,7 +110,7 @@ SurfaceSampler::Color SurfaceSampler::texture_color(std::uint32_t number, const 
     return filtered(texture, std::min(level, texture.levels.size() - 1), here[0], here[1], filter);
   };
   const TextureSampling& how = texture.sampling;
-  // Also where coordinates are so large that their differences are no numbers.
+  // Written so that it also holds if the coordinates are so large that their differences are NaN.
   if (!(texels > 1)) return on(0, how.magnify);
   const double level = std::min(std::log2(texels), static_cast<double>(texture.levels.size() - 1));
   if (how.levels == TextureLevelsUse::none) return on(0, how.minify);

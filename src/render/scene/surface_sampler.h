@@ -1,6 +1,6 @@
-// surface_sampler.h - returns colour and opacity of a surface at a fragment, from vertex colours and
-// textures, for the reference on the CPU. It samples in double precision by code of its own; only the texels
-// are those of the device.
+// surface_sampler.h - computes the colour and opacity of a surface at a fragment from vertex colours and
+// textures, for the CPU reference. It samples in double precision with its own code. Only the texels are
+// those of the device.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace pellucid::render {
 
 class SurfaceSampler {
  public:
-  // Keeps references.
+  // Keeps references to both arguments.
   SurfaceSampler(const RenderScene& scene, const Camera& camera);
   // Returns nothing where the fragment is cut out.
   [[nodiscard]] std::optional<SurfaceLook> look_at(std::uint64_t pixel, NodeId node) const;

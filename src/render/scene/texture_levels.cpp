@@ -1,4 +1,4 @@
-// Halving of textures, and the limit of what they take on the device.
+// Implements texture_levels.h: halving of textures, and the limit of the memory that they take on the device.
 #include "render/scene/texture_levels.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ Plane decoded(const Texture& texture) {
   return plane;
 }
 
-// Each texel is the mean of four; of an odd side the last texel has no part.
+// Returns the next smaller level. Each texel is the mean of four. For an odd side the last texel is not used.
 Plane halved(const Plane& from) {
   Plane to{std::max(from.width / 2, 1U), std::max(from.height / 2, 1U), {}};
   to.texels.resize(std::size_t{to.width} * to.height);
@@ -67,14 +67,14 @@ std::uint32_t packed(const Texel& texel) {
          byte(texel[3]) << 24U;
 }
 
-// With all smaller levels, a third more.
+// Returns the bytes of a texture with all smaller levels, which take a third more.
 std::uint64_t bytes_of(const Texture& texture, std::uint32_t halvings) {
   const std::uint64_t texels =
       std::uint64_t{std::max(texture.width >> halvings, 1U)} * std::max(texture.height >> halvings, 1U);
   return texels * 16 / 3 + 4 * kMostLevels;
 }
 
-// How often each texture is halved before its first level.
+// Returns how often each texture is halved to make its first level.
 std::vector<std::uint32_t> find_halvings(const std::vector<Texture>& textures) {
   std::vector<std::uint32_t> halvings(textures.size(), 0);
   std::vector<std::uint64_t> bytes;

@@ -1,5 +1,5 @@
-// texture_levels.h - makes the smaller levels of textures, by halving them in linear colours. The device and
-// the reference on the CPU sample the same levels.
+// texture_levels.h - makes the smaller levels of textures by halving them in linear colours. The device and
+// the CPU reference sample the same levels.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ constexpr std::uint32_t kMostLevels = 16;  // sides up to 65,535
 
 struct TextureLevel {
   std::uint32_t width = 0, height = 0;
-  // Eight bits a channel, red lowest: linear colours in gamma 2, then opacity.
+  // Eight bits per channel, red in the lowest byte: linear colour in gamma 2, then opacity.
   std::vector<std::uint32_t> texels;
 };
 
@@ -22,8 +22,8 @@ struct TextureLevels {
   TextureSampling sampling;
 };
 
-// Of all textures of a scene, in kMostTextureBytes. Throws Error{bad_argument} where a texture has no texels,
-// other than it says, or a side that is too long.
+// Makes the levels of all textures of a scene, within kMostTextureBytes. Throws Error{bad_argument} if a
+// texture has no texels, has another number of texels than its size says, or has a side that is too long.
 std::vector<TextureLevels> make_texture_levels(const std::vector<Texture>& textures);
 
 }  // namespace pellucid::render

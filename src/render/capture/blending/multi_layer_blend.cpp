@@ -1,7 +1,7 @@
-// Multi-layer alpha blending: the nearest layers of a pixel in four nodes, where the farthest takes up what
-// has no place. A fragment that comes late finds those that it should lie between merged already, so it
-// depends on the draw order, and only attachments that are read back in that order make it the
-// same each time. Salvi, Vaidyanathan, "Multi-Layer Alpha Blending", I3D 2014.
+// Multi-layer alpha blending: a pixel has four nodes for its nearest layers, and the farthest node also takes
+// what has no place. A late fragment may find that the fragments around it have been merged already. The
+// result therefore depends on the draw order, and only attachments that are read back in draw order make it
+// the same each time. Based on: Salvi, Vaidyanathan, "Multi-Layer Alpha Blending", I3D 2014.
 #include "render/capture/registry.h"
 #include "render/device/ordered_attachments.h"
 

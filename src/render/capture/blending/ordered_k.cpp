@@ -1,8 +1,10 @@
-// The ordered k-buffer: blending in draw order, which in-depth orders make nearly right, through
-// a window of k fragments that are sorted. What leaves the window, the nearest, is blended under what left
-// before, so a fragment may come after up to k farther ones and is blended in its place all the same: one
-// geometry pass, in a number of bytes that does not depend on the scene. One that comes later still is
-// blended where it is and marks its pixel: where none is marked, the image is exact.
+// The ordered k-buffer: blends in draw order through a sorted window of k fragments. In-depth orders make the
+// draw order nearly right, and the window corrects most of the rest.
+//
+// When the window is full, its nearest fragment leaves it and is blended under those that left before. A
+// fragment that comes after at most k farther ones is therefore still blended in its place. This takes one
+// geometry pass and a number of bytes that does not depend on the scene. A fragment that comes even later is
+// blended where it comes, and its pixel is marked. If no pixel is marked, the image is exact.
 #include <fmt/format.h>
 
 #include "render/capture/registry.h"
@@ -11,7 +13,8 @@
 namespace pellucid::render {
 namespace {
 
-// Words of a slot of the window, and of what is kept beside it: shaders/capture/blending/ordered_window.glsl.
+// Words of a slot of the window, and words that are kept beside the window
+// (shaders/capture/blending/ordered_window.glsl).
 constexpr std::uint32_t kSlotWords = 3;
 constexpr std::uint32_t kBlendedWords = 7;
 
@@ -22,7 +25,7 @@ constexpr std::uint32_t window_attachments_for(std::uint32_t k) {
 class OrderedK final : public Technique {
  public:
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
-    return 16 * frame.pixels();  // a layer
+    return 16 * frame.pixels();  // one layer of the image
   }
   void allocate(Frame& frame) override {
     const std::uint32_t attachments = window_attachments_for(frame.options.k);

@@ -1,5 +1,5 @@
-// Hardware blending in draw order: what capture is measured against, and right where that
-// order runs front to back in every pixel.
+// Hardware blending in draw order. It is the baseline of all capture techniques. Its image is right where the
+// draw order runs from front to back in every pixel.
 #include "render/capture/registry.h"
 
 namespace pellucid::render {

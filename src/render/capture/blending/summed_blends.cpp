@@ -1,5 +1,5 @@
-// Blending by sums in place of an order: a fragment adds its colour, weighted in some way, to sums of its
-// pixel, and the image shows their weighted mean. The techniques differ in the weights.
+// Blending by sums instead of an order. Each fragment adds its weighted colour to the sums of its pixel, and
+// the image shows the weighted mean. The techniques differ in the weights.
 #include <algorithm>
 
 #include "render/capture/registry.h"
@@ -7,13 +7,12 @@
 namespace pellucid::render {
 namespace {
 
-// Of colours and opacity, weighted in some way: half floats, as published.
+// Sums of weighted colours and opacities, in half floats as published.
 constexpr VkFormat kColorSums = VK_FORMAT_R16G16B16A16_SFLOAT;
-// Of optical depths: what all fragments together let through is exact.
+// Sums of optical depths. They give the exact transmittance of all fragments together.
 constexpr VkFormat kDepthSums = VK_FORMAT_R32_SFLOAT;
 
-// One geometry pass: everything that `fragment_shader` writes to its outputs is added up in `targets`, which
-// start with 0.
+// Draws one geometry pass that adds the outputs of `fragment_shader` to `targets`, which start with 0.
 void draw_sums(const Frame& frame, Recorder& recorder, std::string_view fragment_shader,
                const Constants& constants, const std::vector<const Image*>& targets) {
   std::vector<VkFormat> formats;
@@ -32,7 +31,7 @@ void draw_sums(const Frame& frame, Recorder& recorder, std::string_view fragment
   recorder.barrier();
 }
 
-// Leaves the image.
+// Turns the sums into the final colours.
 void resolve_sums(const Frame& frame, Recorder& recorder, const Image& colors, const Image& depths) {
   recorder.begin_resolve();
   recorder.bind(Slot::image_0, colors);
@@ -41,7 +40,7 @@ void resolve_sums(const Frame& frame, Recorder& recorder, const Image& colors, c
                     frame.tiles_y());
 }
 
-// Weighted blended transparency: colours are added up with weights that fall with depth, in one pass.
+// Weighted blended transparency: adds up colours with weights that fall with depth, in one pass. Based on:
 // McGuire, Bavoil, "Weighted Blended Order-Independent Transparency", JCGT 2013.
 class WeightedBlend final : public Technique {
  public:
@@ -59,9 +58,10 @@ class WeightedBlend final : public Technique {
   Image colors_, depths_;
 };
 
-// Moment-based transparency: four power moments of optical depth over depth tell how much light gets to each
-// fragment, well enough to weight its colour. Muenstermann, Krumpen, Klein, Peters, "Moment-Based
-// Order-Independent Transparency", I3D 2018; shaders/capture/blending/moments.frag.
+// Moment-based transparency: weights the colour of each fragment by an estimate of the light that reaches it.
+// The estimate comes from four power moments of optical depth over depth. Based on: Muenstermann, Krumpen,
+// Klein, Peters, "Moment-Based Order-Independent Transparency", I3D 2018; see
+// shaders/capture/blending/moments.frag.
 constexpr VkFormat kMoments = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 class MomentBlend final : public Technique {
@@ -86,11 +86,11 @@ class MomentBlend final : public Technique {
   Image moments_, depths_, colors_;
 };
 
-// Stochastic transparency: as many of a pixel's k samples as a fragment's opacity says are hidden by it,
-// chosen at random, and a sample keeps the depth of its nearest fragment. The share of samples that do not
-// hide a fragment is the light that gets to it, on average. Samples are words, not those of an attachment,
-// whose places would spoil edges. Enderton, Sintorn, Shirley, Luebke, "Stochastic Transparency", I3D 2010,
-// with the paper's alpha correction.
+// Stochastic transparency: a pixel has k samples. A fragment covers a share of them that equals its opacity,
+// chosen at random, and each sample keeps the depth of its nearest fragment. On average, the share of samples
+// that do not hide a fragment is the light that reaches it. The samples are words of a buffer. The samples of
+// a multisampled attachment have different positions, which would spoil edges. Based on: Enderton, Sintorn,
+// Shirley, Luebke, "Stochastic Transparency", I3D 2010, with the alpha correction of the paper.
 class StochasticBlend final : public Technique {
  public:
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {

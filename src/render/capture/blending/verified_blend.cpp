@@ -1,12 +1,13 @@
-// Order-verified blending: blending in draw order, which in-depth orders make right nearly
-// everywhere, and exact capture where it was not.
+// Order-verified blending: blends in draw order and captures exactly only the pixels where that order was
+// wrong. In-depth orders are right in nearly all pixels.
 //
-// Front to back, every fragment lies behind all that were drawn before it. The depth test says whether it
-// does: GREATER, with depth written, lets it through and blends it under the others; what fails is nearer
-// than something already blended, or as near, and counts up its pixel's stencil. Marked pixels, and only
-// these, are captured by an S-buffer behind the stencil test and drawn anew, with the triangles that touch
-// their tiles: the image is exact whatever the order was. Opaque surfaces are drawn first and discard in
-// the shader, so that they mark nothing.
+// When a pixel is drawn from front to back, every fragment lies behind all fragments that were drawn before
+// it. The depth test checks this. With GREATER and depth writes, a fragment that passes is blended under the
+// others. A fragment that fails is nearer than an already blended one, or equally near, and it increments the
+// stencil of its pixel, which marks it. Only marked pixels are captured by an S-buffer behind the stencil
+// test and drawn anew, from the triangles that touch their tiles. The image is therefore exact for any draw
+// order. Opaque surfaces are drawn first. Fragments behind them are discarded in the shader, so that they
+// mark nothing.
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr VkFormat kDepthAndMarks = VK_FORMAT_D32_SFLOAT_S8_UINT;
 constexpr std::uint64_t kNodeBytes = 12;
 
-// Behind the last triangle that is drawn.
+// Returns the index after the last triangle that is drawn.
 std::uint64_t triangles_end(const GpuScene& scene) {
   std::uint64_t end = 0;
   for (const DrawRange& range : scene.ranges)
@@ -26,7 +27,7 @@ std::uint64_t triangles_end(const GpuScene& scene) {
 
 class VerifiedBlend final : public Technique {
  public:
-  // If all pixels were marked.
+  // Assumes that all pixels are marked.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return std::max(kNodeBytes * frame.fragments, 16 * frame.pixels());
   }
@@ -60,7 +61,7 @@ class VerifiedBlend final : public Technique {
     choose_triangles(frame, recorder);
     count_marked(frame, recorder);
   }
-  // The repair is a round of its own: how much memory it takes is known by now.
+  // The repair is a round of its own, because the memory that it takes is known only after start().
   [[nodiscard]] bool peels() const override { return true; }
   [[nodiscard]] std::uint64_t known_rounds() const override { return 1; }
   void allocate_rounds(Frame& frame) override {
@@ -112,7 +113,7 @@ class VerifiedBlend final : public Technique {
     recorder.barrier();
   }
 
-  // Triangles that may have fragments in marked pixels, so that only these are drawn again.
+  // Chooses the triangles that may have fragments in marked pixels, so that only these are drawn again.
   void choose_triangles(Frame& frame, Recorder& recorder) {
     bind_triangles(recorder);
     const OwnedPipeline& kernel = frame.pipelines.compute("capture/blending/touching_triangles.comp", {});
@@ -170,7 +171,7 @@ class VerifiedBlend final : public Technique {
                   attachments, &some);
   }
 
-  std::uint32_t marked_ = 0;  // fragments
+  std::uint32_t marked_ = 0;  // number of fragments in marked pixels
   Image blended_, marks_;
   Buffer marked_tiles_, triangles_, indices_, arguments_;
   Buffer counts_, ends_, nodes_;

@@ -1,7 +1,8 @@
-// Bucket peeling: the nearest and the farthest fragment of each of k buckets of a pixel's depth range:
-// uniform (BUN), or with as many occupied bins of depth in each (BAD). Liu, Huang, Liu, Wu, "Efficient Depth
-// Peeling via Bucket Sort", HPG 2009; Sintorn, Assarsson, I3D 2009. Keys (depth, id) and 64-bit atomics stand
-// in for the papers' MAX blending: fragments at one depth stay apart.
+// Bucket peeling: divides the depth range of a pixel into k buckets and keeps the nearest and the farthest
+// fragment of each. The buckets are uniform (BUN), or have equally many occupied depth bins (BAD). Based on:
+// Liu, Huang, Liu, Wu, "Efficient Depth Peeling via Bucket Sort", HPG 2009; Sintorn, Assarsson, I3D 2009.
+// Differs in: keys (depth, id) and 64-bit atomics replace MAX blending, so that fragments of equal depth stay
+// separate.
 #include "render/capture/registry.h"
 
 namespace pellucid::render {
@@ -55,7 +56,7 @@ class BucketPairs final : public Technique {
   }
 
  private:
-  static constexpr std::uint64_t kWords = 32;  // of bits, one for each of 1,024 bins
+  static constexpr std::uint64_t kWords = 32;  // hold one bit for each of 1,024 bins
   bool adaptive_;
   Buffer bounds_, keys_, colors_, bins_;
 };

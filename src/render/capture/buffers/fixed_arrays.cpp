@@ -1,4 +1,4 @@
-// An array of k fragments for every pixel, filled in draw order (FAB of the paper).
+// Fixed arrays: each pixel has an array for its first k fragments in draw order (FAB of the paper). Based on:
 // Crassin, "Fast and Accurate Single-Pass A-Buffer", 2010; Liu et al., "FreePipe", I3D 2010.
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"

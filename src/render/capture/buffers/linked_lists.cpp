@@ -1,7 +1,8 @@
-// Linked lists: one pool, an atomic counter, a head for every pixel (LL), or one for each of several uniform
-// buckets of the pixel's depth range, so that what has to be sorted is short (BUN-LL). Yang, Hensley, Gruen,
-// Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010; section 3.1.4 of the
-// paper. The buckets here lie between the pixel's own nearest and farthest fragment, not the bounding box's.
+// Linked lists: all fragments go to one pool with an atomic counter. A pixel has one list (LL), or one list
+// for each of several uniform buckets of its depth range, so that the lists to sort are short (BUN-LL). Based
+// on: Yang, Hensley, Gruen, Thibieroz, "Real-Time Concurrent Linked List Construction on the GPU", EGSR 2010;
+// section 3.1.4 of the paper. Differs in: the buckets lie between the nearest and farthest fragment of the
+// pixel instead of spanning the bounding box.
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"
 

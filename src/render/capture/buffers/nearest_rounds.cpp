@@ -1,9 +1,11 @@
-// The nearest fragments of every pixel in a pool that is too small for all of them: again and again behind
-// the last ones (MultiKB), or once. A round takes the nearest fragments of each pixel behind the last key
-// (depth, id) of the round before, as many as its share of the pool has places; how many there are in all was
-// counted, so the number of rounds is known. Keys go through a chain of 64-bit atomic minima, which needs no
-// order of the fragments, unlike the k-buffer of Bavoil et al. (I3D 2007), and no second try, unlike that of
-// Liu et al. (HPG 2009); a second pass over the fragments brings the colours.
+// Captures fragments in rounds, in a pool that may be too small for all of them at once (MultiKB). With
+// Overflow::nearest there is only one round, and the fragments that do not fit are averaged.
+//
+// A round takes the nearest fragments of each pixel that lie behind the last key (depth, id) of the round
+// before. It takes as many as the share of the pixel in the pool has places. All fragments have been counted
+// before, so the number of rounds is known. Keys go through a chain of 64-bit atomic minima, and a second
+// pass over the fragments stores their colours. Unlike the k-buffer of Bavoil et al. (I3D 2007), the chain
+// needs no order of the fragments. Unlike that of Liu et al. (HPG 2009), it needs no second try.
 #include <algorithm>
 #include <bit>
 #include <span>
@@ -15,12 +17,12 @@ namespace pellucid::render {
 namespace {
 
 struct PoolShares {
-  // The first place of each pixel, in rows, and the end. 0 fragments: 0 places.
+  // The first place of each pixel, row by row, and the end. A pixel without fragments has no places.
   std::vector<std::uint32_t> firsts;
-  std::uint32_t rounds = 0;  // until every pixel with a share had all of its fragments in it
+  std::uint32_t rounds = 0;  // until all fragments of every pixel with a share have been captured
 };
 
-// Of depth complexities: the n-th from 0 is how many pixels have n fragments.
+// Returns the histogram of depth complexity: entry n is the number of pixels with n fragments.
 std::vector<std::uint64_t> histogram_of(std::span<const std::uint32_t> counts) {
   const std::uint32_t deepest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
   std::vector<std::uint64_t> pixels(std::size_t{deepest} + 1);
@@ -28,7 +30,8 @@ std::vector<std::uint64_t> histogram_of(std::span<const std::uint32_t> counts) {
   return pixels;
 }
 
-// The largest k with which sum of min(count, k) is not above `places`, and not above the largest count.
+// Returns the largest k for which the sum of min(count, k) does not exceed `places`, but no more than the
+// largest count.
 std::uint32_t water_level(std::span<const std::uint32_t> counts, std::uint64_t places) {
   const std::vector<std::uint64_t> pixels = histogram_of(counts);
   std::uint64_t taken = 0;
@@ -45,7 +48,8 @@ constexpr std::uint32_t part(std::uint32_t count, std::uint32_t parts) {
   return count / parts + (count % parts != 0 ? 1 : 0);
 }
 
-// The fewest rounds, but not fewer than `least`, whose parts fit; more do not need more places.
+// Returns the least number of rounds, but at least `least`, for which one part of the fragments of every
+// pixel fits. More rounds never need more places.
 std::uint32_t fewest_rounds(std::span<const std::uint32_t> counts, std::uint64_t places,
                             std::uint32_t least) {
   const std::vector<std::uint64_t> pixels = histogram_of(counts);
@@ -67,7 +71,7 @@ std::uint32_t fewest_rounds(std::span<const std::uint32_t> counts, std::uint64_t
   return low;
 }
 
-// `share_of` returns the places of a pixel from its number of fragments.
+// Makes the shares of all pixels. `share_of` returns the places of a pixel from its number of fragments.
 template <class ShareOf>
 PoolShares make_shares(std::span<const std::uint32_t> counts, const ShareOf& share_of) {
   PoolShares shares;
@@ -81,13 +85,15 @@ PoolShares make_shares(std::span<const std::uint32_t> counts, const ShareOf& sha
   return shares;
 }
 
-// For going around until all fragments were there: min(count, k) places each, whether they fit or not.
+// Gives min(count, k) places to each pixel, for rounds that capture everything. Ignores whether they fit:
+// shares that do not fit are handled in several windows.
 PoolShares shares_of_k(std::span<const std::uint32_t> counts, std::uint32_t k) {
   return make_shares(counts, [&](std::uint32_t count) { return std::min(count, k); });
 }
 
-// The same in the fewest rounds r for which a part of each pixel's fragments, ceil(count / r) but not more
-// than `most`, fits into `places`; at least one each, whether they fit or not.
+// Gives each pixel ceil(count / r) places, for the least number of rounds r with which all of them fit into
+// `places` and no pixel gets more than `most`. Every pixel with fragments gets at least one place, even if
+// they do not fit.
 PoolShares divide_for_rounds(std::span<const std::uint32_t> counts, std::uint64_t places,
                              std::uint32_t most) {
   const std::uint32_t deepest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
@@ -95,8 +101,8 @@ PoolShares divide_for_rounds(std::span<const std::uint32_t> counts, std::uint64_
   return make_shares(counts, [&](std::uint32_t count) { return part(count, rounds); });
 }
 
-// For one round: min(count, k) places, k the largest with which they fit; what is left goes to pixels at even
-// distances, one place each, until nothing is left or all have what they need.
+// Gives min(count, k) places to each pixel, for a single round, where k is the largest number with which they
+// fit. The places that are left go to deeper pixels at even distances, one each.
 PoolShares divide_once(std::span<const std::uint32_t> counts, std::uint64_t places) {
   const std::uint32_t level = water_level(counts, places);
   std::uint64_t taken = 0;
@@ -114,19 +120,19 @@ PoolShares divide_once(std::span<const std::uint32_t> counts, std::uint64_t plac
   });
 }
 
-constexpr std::uint64_t kPlaceBytes = 12;                // key, colour
-constexpr std::uint64_t kPixelBytes = kStateBytes + 12;  // last key, first place
-// Buffers are not smaller than 16 bytes: four places.
+constexpr std::uint64_t kPlaceBytes = 12;                // key and colour
+constexpr std::uint64_t kPixelBytes = kStateBytes + 12;  // last key and first place
+// Buffers have at least 16 bytes, which is four places.
 constexpr std::uint64_t kLeastPoolBytes = 4 * kPlaceBytes;
 constexpr std::uint64_t kTailBytes = 20;  // of a pixel: shaders/capture/buffers/overflow_tail.glsl
-// Insertion costs what a share has places; beyond this, another round is cheaper.
+// The cost of an insertion grows with the number of places. For longer shares another round is cheaper.
 constexpr std::uint32_t kMostPlaces = 64;
 
-// Of `bounded`, where no budget is given: of a pixel.
+// The budget per pixel of `bounded` if none is given.
 constexpr std::uint64_t kBoundedBytes = 64;
 
-// What says how many places there are: RenderOptions::k, unless there is a memory; memory, or kBoundedBytes;
-// pool.
+// What decides the number of places: RenderOptions::k unless there is a memory budget, the memory budget or
+// kBoundedBytes, or the pool.
 enum class Budget { k, memory, pool };
 
 class NearestRounds final : public Technique {
@@ -198,14 +204,14 @@ class NearestRounds final : public Technique {
   [[nodiscard]] static std::uint64_t memory(const Frame& frame) {
     return frame.options.budget.bytes != 0 ? frame.options.budget.bytes : kBoundedBytes * frame.pixels();
   }
-  // Of the pool.
+  // Returns the number of places of the pool.
   [[nodiscard]] std::uint64_t places(const Frame& frame) const {
     if (budget_ == Budget::pool) return frame.capacity();
     if (given_k(frame)) return frame.options.k * frame.pixels();
     const std::uint64_t fixed = kPixelBytes * frame.pixels() + 4;
     return memory(frame) > fixed ? (memory(frame) - fixed) / kPlaceBytes : 0;
   }
-  // A sum of absorptions up to 16 each has to fit into a word.
+  // The unit is chosen so that a sum of absorptions, each at most 16, fits into a word.
   [[nodiscard]] static std::uint32_t tail_unit(const Frame& frame) {
     constexpr std::uint64_t kFinest = 1U << 20U;
     const std::uint64_t fits = ((std::uint64_t{1} << 28U) - 1) / std::max<std::uint64_t>(frame.deepest, 1);

@@ -1,5 +1,6 @@
-// S-buffer: count, reserve, fill: contiguous ranges of exactly the size that is needed.
-// Vasilakis, Fudos, "S-buffer: Sparsity-aware Multi-fragment Rendering", Eurographics 2012 (SB of the paper).
+// S-buffer: counts the fragments of every pixel, reserves a contiguous range of exactly that size, and fills
+// it. Based on: Vasilakis, Fudos, "S-buffer: Sparsity-aware Multi-fragment Rendering", Eurographics 2012 (SB
+// of the paper).
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"
 

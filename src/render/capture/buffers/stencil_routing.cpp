@@ -1,8 +1,11 @@
-// Stencil-routed A-buffer (SRAB): all triangles go to k layers; layer i counts down from i + 2 with every
-// fragment and takes the one that finds it at 2, so the n-th fragment drawn ends up in layer n. Myers,
-// Bavoil, "Stencil Routed A-Buffer", SIGGRAPH 2007 sketches. There the k places of a pixel are the samples of
-// a multisampled target; their positions differ, so edges get the wrong fragments wherever multisampling
-// cannot be switched off, as in Vulkan. Layers of an array, sampled at pixel centres, have no such edges.
+// Stencil-routed A-buffer (SRAB): draws all triangles to k layers. The stencil of layer i starts at i + 2 and
+// is decremented by every fragment. A layer keeps the fragment that finds its stencil at 2, so the n-th
+// fragment in draw order goes to layer n.
+//
+// Based on: Myers, Bavoil, "Stencil Routed A-Buffer", SIGGRAPH 2007 sketches. Differs in: the k places of a
+// pixel are layers of an array image. The paper uses the samples of a multisampled target. The positions of
+// such samples differ, so edges get wrong fragments unless multisampling can be switched off, which Vulkan
+// does not allow.
 #include "render/capture/registry.h"
 #include "render/resolve/list_resolve.h"
 
@@ -14,7 +17,7 @@ constexpr VkFormat kStencil = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
 class StencilRouting final : public Technique {
  public:
-  // Images are no buffers; the bound is that of one layer.
+  // Images do not count as buffers. This bounds the size of one layer.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return 16 * frame.pixels();
   }

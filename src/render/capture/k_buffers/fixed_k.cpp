@@ -1,9 +1,11 @@
-// The same number of slots for all pixels: the nearest k, and a tail. In one of three ways (Sync): a chain of
-// 64-bit atomic minima over keys, then a pass for colours; chains of 32-bit minima, over depths and then over
-// ids, for devices that have no others; or insertion into ordered attachments, in one pass.
-// Maule, Comba, Torchelsen, Bastos, "Hybrid Transparency", I3D 2013; Vasilakis, Vardis, Papaioannou,
-// Moustakas, "Variable k-buffer using Importance Maps", Eurographics 2017, where this is what the others are
-// measured against.
+// Fixed k: gives all pixels the same number of slots for their nearest fragments, and a tail for the others.
+//
+// There are three ways to store them (Sync). A chain of 64-bit atomic minima over keys is followed by a pass
+// for colours. Chains of 32-bit minima, first over depths and then over ids, serve devices without 64-bit
+// atomics. Insertion into ordered attachments takes one pass.
+//
+// Based on: Maule, Comba, Torchelsen, Bastos, "Hybrid Transparency", I3D 2013. It is also the baseline of
+// Vasilakis, Vardis, Papaioannou, Moustakas, "Variable k-buffer using Importance Maps", Eurographics 2017.
 #include <fmt/format.h>
 
 #include "render/capture/k_buffers/tailed_buffer.h"
@@ -13,20 +15,22 @@
 namespace pellucid::render {
 namespace {
 
-// What weighs the colours of a tail: optical depth, as a fine mixture would, or, as in the paper, opacity.
+// The weights of the colours in a tail: optical depth, as for a fine mixture of the fragments, or opacity, as
+// in the paper.
 enum class TailWeight { optical_depth, opacity };
 
-// Nothing is counted beforehand: sums in attachments are of 32 bits, for as many opaque fragments.
+// Fragments are not counted before they go to attachments, so the sums there have 32 bits, enough for this
+// many opaque fragments.
 constexpr std::uint64_t kMostInAttachments = 65'535;
 
 class FixedK final : public TailedBuffer {
  public:
   explicit FixedK(TailWeight weight) : weight_(weight) {}
-  // With a k of its own, not what fits: then the image is cut into bands.
+  // Applies only where k is given. Then the image is cut into bands if the buffers are too large.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
     return takes_k(frame) && frame.sync != Sync::ordered ? default_bytes(frame) : 0;
   }
-  // Attachments have the number of slots that fits, however many fragments there are.
+  // Attachments have as many slots as fit, whatever the number of fragments is.
   [[nodiscard]] bool needs_counts(const Frame& frame) const override {
     return frame.sync != Sync::ordered || attachments_in(frame, bytes_given(frame)) == 0;
   }
@@ -68,7 +72,7 @@ class FixedK final : public TailedBuffer {
   }
 
  private:
-  // Without a budget, which says what fits.
+  // Returns whether RenderOptions::k decides the number of slots. Otherwise the budget does.
   [[nodiscard]] bool takes_k(const Frame& frame) const {
     return by_opacity() && frame.options.budget.bytes == 0;
   }
@@ -76,11 +80,11 @@ class FixedK final : public TailedBuffer {
     return frame.options.budget.bytes != 0 ? frame.options.budget.bytes : default_bytes(frame);
   }
 
-  // Opacities are one sum more.
+  // Weighting by opacity takes one sum more.
   [[nodiscard]] bool by_opacity() const { return weight_ == TailWeight::opacity; }
   [[nodiscard]] Places places() const { return by_opacity() ? Places::uniform_by_opacity : Places::uniform; }
   [[nodiscard]] std::uint32_t tail_slots() const { return by_opacity() ? 2 : 1; }
-  // Words of a tail in attachments: shaders/capture/k_buffers/core_layers.glsl.
+  // The words of a tail in attachments (shaders/capture/k_buffers/core_layers.glsl).
   [[nodiscard]] std::uint32_t tail_words() const { return by_opacity() ? 5 : 4; }
   [[nodiscard]] std::uint32_t attachments_for(std::uint32_t k) const {
     return (3 * k + tail_words() + 3) / 4;
@@ -89,7 +93,7 @@ class FixedK final : public TailedBuffer {
     return Image::bytes_needed(frame.context,
                                frame.image_spec(kOrderedFormat, attachments, ImageUse::read_back));
   }
-  // The most that fit; 0: not even a tail.
+  // Returns the largest number of attachments that fit, or 0 if not even a tail fits.
   [[nodiscard]] std::uint32_t attachments_in(const Frame& frame, std::uint64_t bytes) const {
     std::uint32_t count = frame.context.info().ordered_attachments;
     while (count > 0 && image_bytes(frame, count) > bytes) --count;
@@ -106,7 +110,7 @@ class FixedK final : public TailedBuffer {
     const std::uint32_t attachments = attachments_in(frame, bytes);
     if (attachments == 0) return false;
     k_ = takes_k(frame) ? frame.options.k : (4 * attachments - tail_words()) / 3;
-    // No more than it takes for them.
+    // Only as many attachments are made as k slots and the tail need.
     layers_ = frame.make_image("fragment layers", kOrderedFormat, attachments_for(k_), ImageUse::read_back);
     target_ = OrderedTarget(frame.context, frame.pipelines.ordered(attachments_for(k_)), layers_);
     return true;

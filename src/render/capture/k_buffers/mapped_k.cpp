@@ -1,7 +1,9 @@
-// k-plus gives every pixel a slot for each fragment, up to a k that is the same for all; variable-k gives out
-// slots by the importance of pixels. A survey of the fragments decides which slots of the pool a pixel gets.
-// Fragments get there through a chain of 64-bit atomic minima, or in critical sections behind the farthest
-// that is kept (Sync). Vasilakis, Vardis, Papaioannou, Moustakas, "Variable k-buffer using Importance Maps",
+// Techniques in which pixels have different numbers of slots. k-plus gives every pixel one slot per fragment,
+// up to a k that is the same for all. variable-k gives out slots by the importance of pixels.
+//
+// A survey of the fragments decides which slots of the pool belong to a pixel. Fragments are stored through a
+// chain of 64-bit atomic minima, or in critical sections in which each one replaces the farthest that is kept
+// (Sync). Based on: Vasilakis, Vardis, Papaioannou, Moustakas, "Variable k-buffer using Importance Maps",
 // Eurographics 2017; Vasilakis, Papaioannou, Fudos, "k+-buffer: An Efficient, Memory-Friendly and Dynamic
 // k-buffer Framework", TVCG 2015.
 #include <fmt/format.h>
@@ -18,17 +20,18 @@ namespace {
 constexpr std::uint32_t kPlaceBits = 27;  // shaders/capture/k_buffers/places.glsl
 constexpr std::uint32_t kPlaceMask = (1U << kPlaceBits) - 1;
 constexpr std::uint32_t kNoResidue = 0x80808080U;  // shaders/capture/k_buffers/importance.comp
-// Where no pixel has more, the survey is a word a pixel (shaders/capture/k_buffers/survey.glsl).
+// If no pixel has more fragments than this, the survey takes one word per pixel
+// (shaders/capture/k_buffers/survey.glsl).
 constexpr std::uint64_t kMostPacked = 1023;
-// What is kept of a pixel in critical sections is sorted by one invocation, whose loops a driver may end
-// after some 65,000 turns (docs/rendering.md).
+// In critical sections, one invocation sorts the fragments of a pixel. Drivers may end its loops after some
+// 65,000 turns (docs/rendering.md).
 constexpr std::uint64_t kMostSorted = 2048;
 
 class MappedK final : public TailedBuffer {
  public:
   explicit MappedK(bool by_importance) : by_importance_(by_importance) {}
 
-  // To keep all fragments.
+  // Returns the bytes that keep all fragments.
   [[nodiscard]] std::uint64_t most_bytes(const Frame& frame) const override {
     constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
     const BudgetDemand demand = demand_of(frame, kNoLimit);
@@ -48,8 +51,8 @@ class MappedK final : public TailedBuffer {
     if (by_importance_ && frame.options.budget.allocation == Allocation::printed) sharing = Sharing::printed;
     const std::uint64_t given = given_bytes(frame, wanted);
     MappedPlan plan = plan_mapped(demand, wanted.survey_words(), given);
-    // Less is surveyed, where there is no room for more: tails have no weights then, and in the end all
-    // pixels are of equal importance.
+    // If there is not enough memory, less is surveyed: first tails lose their weights, and in the end all
+    // pixels are equally important.
     if (plan.slots == 0 && !wanted.packed && !wanted.has(ImportanceTerm::opacity)) {
       wanted.depths = false;
       plan = plan_mapped(demand, wanted.survey_words(), given);
@@ -65,7 +68,7 @@ class MappedK final : public TailedBuffer {
     if (wanted.has(ImportanceTerm::image)) upload_image(frame, wanted.options.image);
     if (wanted.has(ImportanceTerm::residue)) keep_residue(frame);
     map_.allocate(frame, plan, sharing, wanted);
-    // Edges of wireframes are not surveyed.
+    // Edges of wireframes are not part of the survey.
     if (wanted.depths && frame.options.effect == Effect::transparency) places_ = Places::mapped_with_weights;
     return true;
   }

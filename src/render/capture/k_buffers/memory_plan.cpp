@@ -1,4 +1,4 @@
-// What fits into a memory budget.
+// Implements memory_plan.h: what fits into a memory budget.
 #include "render/capture/k_buffers/memory_plan.h"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 namespace pellucid::render {
 namespace {
 
-constexpr std::uint64_t kBlockTailBytes = 16;  // of a block
+constexpr std::uint64_t kBlockTailBytes = 16;  // per block
 constexpr std::uint64_t kLeastBuffer = 16;
 
 std::uint64_t tail_bytes(const BudgetDemand& demand, std::uint64_t side) {
@@ -52,8 +52,8 @@ BlockPlan plan_blocks(const BudgetDemand& demand) {
     while (tail_bytes(demand, side) > std::min(bytes, demand.most_buffer_bytes)) side *= 2;
     return side;
   };
-  // Larger blocks gain more by smaller ones than by knowing what is covered, and each pixel counts the bits
-  // of its own.
+  // In larger blocks, spending the memory on smaller blocks helps more than a mask of covered pixels. Also,
+  // each pixel counts the bits of its block by itself, which takes longer in large blocks.
   constexpr std::uint32_t kMostMaskedSide = 64;
   const std::uint64_t mask = std::max((demand.pixels() + 31) / 32 * 4, kLeastBuffer);
   if (mask + kBlockTailBytes <= demand.bytes && side_of(demand.bytes - mask) <= kMostMaskedSide)

@@ -1,8 +1,12 @@
-// The k nearest fragments of every pixel (KB). Bavoil et al., "Multi-Fragment Effects on the GPU using the
-// k-Buffer", I3D 2007, whose result depends on timing; here fragments of a pixel are kept apart in one of
-// three ways (Sync). In ordered attachments and in critical sections each fragment is inserted as it is, in
-// one geometry pass. Chains of 64-bit atomic minima over keys (depth, id) need neither; there, a second pass
-// brings the colours of what was kept. More rounds: buffers/nearest_rounds.cpp.
+// Keeps the k nearest fragments of every pixel (KB).
+//
+// Fragments of a pixel are kept apart in one of three ways (Sync). In ordered attachments and in critical
+// sections each fragment is inserted completely, in one geometry pass. Chains of 64-bit atomic minima over
+// keys (depth, id) need neither; a second pass then stores the colours of the fragments that were kept.
+// buffers/nearest_rounds.cpp does the same in several rounds.
+//
+// Based on: Bavoil et al., "Multi-Fragment Effects on the GPU using the k-Buffer", I3D 2007. Differs in: the
+// result of the paper depends on timing, this one does not.
 #include <fmt/format.h>
 
 #include "render/capture/registry.h"
@@ -14,7 +18,7 @@ namespace {
 class NearestK final : public Technique {
  public:
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& frame) const override {
-    if (frame.sync == Sync::ordered) return 16 * frame.pixels();  // of an image, a layer
+    if (frame.sync == Sync::ordered) return 16 * frame.pixels();  // one layer of the image
     return (frame.sync == Sync::interlock ? 12 : 8) * frame.options.k * frame.pixels();
   }
 

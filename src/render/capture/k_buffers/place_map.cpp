@@ -1,4 +1,4 @@
-// The kernels that survey, weigh and number places.
+// Implements place_map.h: the kernels that survey fragments, compute importance and number the places.
 #include "render/capture/k_buffers/place_map.h"
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 namespace pellucid::render {
 namespace {
 
-// shaders/capture/k_buffers/place_map.glsl, std430, as far as it begins with something else than 0.
+// The first members of the state in shaders/capture/k_buffers/place_map.glsl (std430): those that do not
+// start as 0.
 struct BudgetState {
   std::uint32_t slots = 0;
   float alpha = 0, limit = 0, falloff = 0;
@@ -20,15 +21,15 @@ struct BudgetState {
 };
 static_assert(sizeof(BudgetState) == kBudgetHead);
 
-// shaders/capture/k_buffers/survey.glsl
+// Also in shaders/capture/k_buffers/survey.glsl.
 constexpr std::uint32_t kDepthSurvey = 64;
 constexpr std::uint32_t kPackedSurvey = 128;
-constexpr std::uint32_t kSearchRounds = 8;  // of four bits each
+constexpr std::uint32_t kSearchRounds = 8;  // each finds four bits of the level
 
 struct Groups {
   std::uint32_t x, y;
 };
-// Vulkan guarantees 65,535 in a dimension.
+// Vulkan guarantees 65,535 groups in one dimension.
 Groups groups_of(std::uint64_t pixels) {
   const auto count = static_cast<std::uint32_t>((pixels + kGroupPixels - 1) / kGroupPixels);
   constexpr std::uint32_t kMost = 32768;
@@ -43,7 +44,7 @@ void PlaceMap::allocate(Frame& frame, const MappedPlan& plan, Sharing sharing, c
       importance.terms | (importance.depths ? kDepthSurvey : 0U) | (importance.packed ? kPackedSurvey : 0U);
   map_ = frame.make_buffer("map of places", plan.map_bytes);
   state_ = frame.make_buffer("budget", plan.state_bytes);
-  // To be looked at, not to be drawn with: not the technique's own.
+  // This copy is only for BudgetOptions::maps, so it does not count as memory of the technique.
   if (frame.options.budget.maps) kept_importance_ = Buffer(frame.context, "importance map", plan.map_bytes);
   const ImportanceOptions& o = importance.options;
   BudgetState state{.slots = static_cast<std::uint32_t>(plan.slots),

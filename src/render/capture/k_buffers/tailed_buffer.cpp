@@ -1,4 +1,4 @@
-// What techniques with a tail share: places or block tails, and the report of k.
+// Implements tailed_buffer.h: places or block tails, and the reported numbers of slots.
 #include "render/capture/k_buffers/tailed_buffer.h"
 
 #include <bit>

@@ -1,5 +1,5 @@
-// tailed_buffer.h - keeps the nearest fragments of every pixel within a memory budget, and one translucent
-// layer behind them for the others, the tail. It is what fixed-k, hybrid, k-plus and variable-k share.
+// tailed_buffer.h - the base class of fixed-k, hybrid, k-plus and variable-k. Within a memory budget they
+// keep the nearest fragments of every pixel, and one translucent layer behind them for the others, the tail.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,8 @@
 
 namespace pellucid::render {
 
-// Returns the range of sums of this number of fragments: range_of() of shaders/capture/k_buffers/tail.glsl.
+// Returns the range of the sums of this number of fragments, as range_of() of
+// shaders/capture/k_buffers/tail.glsl does.
 std::uint32_t tail_range(std::uint64_t fragments);
 
 class BlockTails {
@@ -22,14 +23,14 @@ class BlockTails {
   Buffer tails_, mask_;
 };
 
-// shaders/capture/k_buffers/places.glsl: kVariant.
+// The forms of places: kVariant of shaders/capture/k_buffers/places.glsl.
 enum class Places : std::uint32_t { uniform, mapped, mapped_with_weights, uniform_by_opacity };
 
 class TailedBuffer : public Technique {
  public:
-  // How much there is to hold decides what is made of the budget.
+  // The counts decide how the budget is used.
   [[nodiscard]] bool needs_counts(const Frame& /*frame*/) const override { return true; }
-  // No buffer is larger than the device lets a shader address.
+  // 0, because plans never exceed the largest buffer that a shader can address.
   [[nodiscard]] std::uint64_t largest_buffer(const Frame& /*frame*/) const override { return 0; }
   void allocate(Frame& frame) final;
   void start(Frame& frame, Recorder& recorder) final;
@@ -37,18 +38,18 @@ class TailedBuffer : public Technique {
 
  protected:
   static BudgetDemand demand_of(const Frame& frame, std::uint64_t bytes);
-  // Where no budget is given.
+  // Returns the budget that is used if none is given.
   [[nodiscard]] virtual std::uint64_t default_bytes(const Frame& frame) const;
-  // False: they do not fit.
+  // Makes the buffers for places. Returns false if they do not fit.
   virtual bool allocate_places(Frame& frame, const BudgetDemand& demand) = 0;
   virtual void record_places(Frame& frame, Recorder& recorder) = 0;
-  // Of every pixel: slots for fragments, and importance.
+  // Return the number of slots for fragments, and the importance, of every pixel.
   [[nodiscard]] virtual std::vector<std::uint32_t> keys(const Frame& frame) const = 0;
   [[nodiscard]] virtual std::vector<float> importance(const Frame& frame) const = 0;
 
-  // Before the first pass that puts keys into slots of a pool.
+  // Empties all slots. Called before the first pass that puts keys into slots.
   static void clear_pool(Recorder& recorder, const Buffer& pool);
-  // A pass over the fragments, and all that comes after it waits for it.
+  // Records a pass over the fragments, and a barrier after it.
   static void gather(const Frame& frame, Recorder& recorder, std::string_view shader,
                      const Constants& constants);
   static void resolve(const Frame& frame, Recorder& recorder, std::string_view shader,

@@ -1,10 +1,12 @@
-// Peeling from both ends of a pixel, and from the front, without the depth test: a round stores what lies in
-// the layers at hand and finds the next ones between them. The first round only finds; where both ends meet
-// in one layer it is the near end's. Bavoil, Myers, "Order Independent Transparency with Dual Depth Peeling",
-// 2008 (DUAL); sections 3.1 and 3.2 of the paper. In place of blending by maximum, which needs ids that a
-// float holds and mixes channels of coplanar colours, these are atomic operations; so the forms with lists
-// and arrays, too, take one pass a round, not two. What is printed of F2B-2P delivered single fragments twice
-// and started from depths and ids that nothing exceeds.
+// Peeling without the depth test, from the front of a pixel or from both ends. Each round stores the
+// fragments in the current layers and finds the next layers between them. The first round only finds layers.
+// If both ends meet in one layer, it belongs to the near end.
+//
+// Based on: Bavoil, Myers, "Order Independent Transparency with Dual Depth Peeling", 2008 (DUAL); sections
+// 3.1 and 3.2 of the paper. Differs in: atomic operations replace blending by maximum, which needs ids that a
+// float can hold and mixes the channels of coplanar colours. The forms with lists and arrays therefore take
+// one pass per round instead of two, too. Corrected: F2B-2P as printed delivered single fragments twice, and
+// started from depths and ids that nothing exceeds.
 #include <fmt/format.h>
 
 #include "render/capture/peeling/layer_fold.h"
@@ -28,8 +30,7 @@ class DualPeeling final : public Technique {
     fold_.begin_round(frame, recorder, round);
     const std::string shader = fmt::format("capture/peeling/peel_ends_{}.frag", fold_.shader_suffix());
     if (form_.storage == LayerStorage::pairs) {
-      // Which ids there are has to be known before their colours are taken; the first round has no layers
-      // yet.
+      // The ids of a layer must be known before the colours are taken. The first round has no layers yet.
       if (round > 0) {
         frame.gather(recorder, shader, fold_.constants(frame, 0));
         recorder.barrier();

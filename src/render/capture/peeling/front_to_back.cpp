@@ -1,8 +1,9 @@
-// Front-to-back peeling with the depth test. A round finds the next layer and what lies in it; a layer with
-// more fragments than that is taken up again by the next round. Everitt, "Interactive Order-Independent
-// Transparency", 2001 (F2B); sections 3.1.1, 3.1.3 and 3.2.1 of the paper. Of what is printed there, F2B-3P
-// counted fragments of the last layer, too, F2B-KB took colours of 0 for empty places, and the counter of
-// F2B-FAB wrapped around.
+// Front-to-back peeling with the depth test. Each round finds the next layer and stores its fragments. If a
+// layer has more fragments than a round can store, the next round continues with it.
+//
+// Based on: Everitt, "Interactive Order-Independent Transparency", 2001 (F2B); sections 3.1.1, 3.1.3 and
+// 3.2.1 of the paper. Corrected: as printed, F2B-3P also counted fragments of the last layer, F2B-KB took
+// colours of 0 for empty places, and the counter of F2B-FAB wrapped around.
 #include <fmt/format.h>
 
 #include "render/capture/peeling/layer_fold.h"
@@ -13,7 +14,7 @@ namespace {
 
 class FrontToBack final : public Technique {
  public:
-  // `depth_first`: a pass for the depth only, then one that shades what has this depth.
+  // With `depth_first`, one pass finds the depth, and a second pass shades only the fragments at this depth.
   FrontToBack(LayerStorage storage, bool depth_first) : storage_(storage), depth_first_(depth_first) {}
 
   [[nodiscard]] bool peels() const override { return true; }
@@ -106,7 +107,7 @@ class FrontToBack final : public Technique {
   LayerStorage storage_;
   bool depth_first_;
   LayerFold fold_{{.storage = storage_}};
-  std::array<Image, 2> depths_;  // of this round and the last one, in turns
+  std::array<Image, 2> depths_;  // of this round and of the last one, alternating
   Image found_;
 };
 

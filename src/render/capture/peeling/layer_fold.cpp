@@ -1,4 +1,4 @@
-// Storage of layers, and the kernels that fold them.
+// Implements layer_fold.h: storage of layers, and the kernels that fold them.
 #include "render/capture/peeling/layer_fold.h"
 
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ void LayerFold::allocate(Frame& frame) {
        : counted ? 4 * ends
                  : 0);
   make(nodes_, "fragments of layers", storage_bytes(frame));
-  // Where one fragment of a layer is delivered none is coplanar to another.
+  // If only one fragment of a layer is delivered, no fragment is coplanar with another one.
   make(coplanar_, "coplanar fragments", resumes || counted ? 4 * frame.pixels() : 0);
   const bool pairs = form_.storage == LayerStorage::pairs;
   make(front_, "states", kStateBytes * frame.pixels());
@@ -75,7 +75,7 @@ void LayerFold::clear(Recorder& recorder) const {
   constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   if (depths_) recorder.fill(depths_, 0);
   if (heads_) recorder.fill(heads_, form_.storage == LayerStorage::lists ? kNone : 0);
-  // Nodes of lists and arrays are read where they were written.
+  // Lists and arrays need no clearing, because only nodes that were written are read.
   if (form_.storage == LayerStorage::pairs) recorder.fill(nodes_, 0);
   if (form_.storage == LayerStorage::chains) recorder.fill(nodes_, kNone);
   if (coplanar_) recorder.fill(coplanar_, 0);
@@ -100,13 +100,13 @@ void LayerFold::begin_round(Frame& frame, Recorder& recorder, std::uint32_t roun
   recorder.push().round = round;
   recorder.push().p[0] = loop_budget(frame.context.info());
   recorder.fill(frame.counters, 0, offsetof(Counters, active_pixels), sizeof(std::uint32_t));
-  // A layer needs its nodes no longer than its round.
+  // Nodes are used only in the round that fills them, so every round starts with an empty pool.
   recorder.fill(frame.counters, 0, offsetof(Counters, next_node), sizeof(std::uint32_t));
   recorder.barrier();
 }
 
 Constants LayerFold::constants(const Frame& frame, std::uint32_t pass) const {
-  // Without going on, a chain keeps one fragment of a layer.
+  // Without `resumes`, a chain keeps only one fragment of a layer.
   if (form_.storage == LayerStorage::chains) {
     return {frame.effect, form_.resumes ? frame.options.k : 1, form_.resumes ? 1U : 0U};
   }

@@ -3,8 +3,8 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #if defined(MARKED)
-layout(early_fragment_tests) in;  // what the stencil test keeps out leaves nothing here
+layout(early_fragment_tests) in;  // fragments that fail the stencil test must not be counted
 #endif
-// Fragments of every pixel: A, a word each. No shading.
+// Counts the fragments of every pixel, without shading. A has one word per pixel.
 layout(std430, set = 0, binding = SLOT_A) buffer Counts { uint counts[]; };
 void main() { atomicAdd(counts[fragment_pixel()], 1u); }

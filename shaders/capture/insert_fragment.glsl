@@ -1,6 +1,7 @@
-// Insertion of a fragment (depth bits, id, colour) into the kK nearest of its pixel, which are sorted, where nobody else
-// is at them: in order (k_buffers/ordered_slots.frag) or in a critical section (k_buffers/interlock_slots.frag). Returns what
-// falls out at the end. Needs slot_at(i) and put_slot(i, f); SLOTS, a constant, is not less than kK.
+// Inserts a fragment (depth bits, id, colour) into the sorted kK nearest of its pixel, and returns the one
+// that falls out at the end. No other invocation may access them at the same time: fragments run in draw
+// order (k_buffers/ordered_slots.frag) or in a critical section (k_buffers/interlock_slots.frag). Needs
+// slot_at(i), put_slot(i, f) and the constant SLOTS, which must not be less than kK.
 bool is_before(uvec3 a, uvec3 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
 uvec3 insert_fragment(uvec3 carried) {

@@ -1,6 +1,7 @@
-// Insertion into a chain of keys, which increase; needs a buffer `keys`. A chain of 64-bit minima: each place keeps the
-// smaller key and the larger one goes on, whoever else does the same, so the result is the same for any order of
-// fragments, without a lock. What is read without an atomic may be stale, and is then only larger than it should be.
+// Inserts a key into a chain of increasing keys, by 64-bit atomic minima. Needs a buffer `keys`. Each place
+// keeps the smaller key and passes on the larger one. Other invocations do the same at the same time, so the
+// result does not depend on the order of fragments, and no lock is needed. Values that are read without an
+// atomic operation may be stale. A stale value is never smaller than the current one.
 void insert_key(uint first, uint count, uint64_t key) {
   if (key >= keys[first + count - 1u]) return;
   for (uint i = 0u; i < count && key != kNoKey; ++i) key = max(key, atomicMin(keys[first + i], key));

@@ -1,6 +1,6 @@
-// Slots of three words in ATTACHMENTS attachments of four. Fragments of a pixel come one after the other, in draw
-// order, and read what the one before left (rasterization order attachment access). main() begins with EACH(LOAD), and
-// ends with EACH(STORE).
+// Words in ATTACHMENTS attachments of four words each. The fragments of a pixel run one after the other in
+// draw order and read what the one before left (rasterization order attachment access). main() begins with
+// EACH(LOAD) and ends with EACH(STORE).
 #define ATTACHMENT(i) \
   layout(input_attachment_index = i, set = 1, binding = i) uniform usubpassInput before_##i; \
   layout(location = i) out uvec4 after_##i;

@@ -4,11 +4,13 @@
 #include "counters.glsl"
 #include "resolve/storage.glsl"
 #include "resolve/tiles.glsl"
-// Which tiles have lists of at most 4, 8, 16, 128 or more fragments: each class is sorted by a kernel of its own.
-// Counts pixels with fragments and the deepest of them on the way.
+// Sorts tiles into classes by their longest list: at most 4, 8, 16 or 128 fragments, or more. Each class has
+// its own sorting kernel. Also counts the pixels with fragments, and the largest number of fragments of a
+// pixel.
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "resolve/marked_tiles.glsl"
-// With bit 2 of kVariant (lists.comp) there is a workgroup for each marked tile, else for every tile.
+// With bit 1 of kVariant (value 2, lists.comp) there is a workgroup for each marked tile, otherwise for every
+// tile.
 const bool kRepairs = (kVariant & 2u) != 0u;
 shared uint deepest_list, deepest_pixel, covered_pixels;
 void main() {

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "resolve/tiles.glsl"
-// No tiles in any class yet; the other two words of each indirect dispatch are 1.
+// Empties all classes of tiles. The other two words of each indirect dispatch are 1.
 layout(local_size_x = 1) in;
 void main() {
   for (uint i = 0u; i < kClasses; ++i) {

@@ -1,5 +1,6 @@
-// The largest group of fragments at one depth, in the colours of figure 13 of Vasilakis and Fudos 2014.
-// word: depth of the last group (bits), its size, the largest size, fragments in groups of two and more.
+// The largest group of fragments at one depth, in the colours of figure 13 of Vasilakis and Fudos 2014. word
+// has the depth of the last group (bits), its size, the largest size, and the number of fragments in groups
+// of two or more.
 State coplanarity_init() { return State(vec4(0.0), uvec4(kNone, 0u, 0u, 0u)); }
 
 void coplanarity_step(inout State s, Fragment f) {
@@ -14,7 +15,7 @@ void coplanarity_step(inout State s, Fragment f) {
   s.word.z = max(s.word.z, s.word.y);
 }
 
-// Both ends may have met inside of a group.
+// Both ends may have met inside a group.
 void coplanarity_merge(inout State s, State behind) {
   s.word.w += behind.word.w;
   if (s.word.x == behind.word.x && s.word.y > 0u && behind.word.y > 0u) {

@@ -1,8 +1,8 @@
-// Boolean operations on closed solids, at most 32 objects: a ray is inside of an object after an odd number of its
-// faces. The surface is where the operation's value changes; faces at one depth are crossed together, so that
-// coplanar ones neither vanish nor show double.
-// word: insides (a bit an object); depth of the open group (bits); its colour, bit 24: value before it; the surface
-// found (0: none).
+// Boolean operations on at most 32 closed solids. A ray is inside an object after an odd number of its faces.
+// The surface is where the value of the operation changes. Faces at one depth are crossed together, so that
+// coplanar faces neither vanish nor appear twice. word has one bit per object (inside), the depth of the open
+// group (bits), the colour of the group with the value before it in bit 24, and the surface that was found
+// (0: none).
 State csg_init() { return State(vec4(0.0), uvec4(0u, kNone, 0u, 0u)); }
 
 bool csg_value(uint inside) {
@@ -33,7 +33,7 @@ void csg_fold(inout State s, Fragment f, bool nearest_last) {
 void csg_step(inout State s, Fragment f) { csg_fold(s, f, false); }
 void csg_step_back(inout State s, Fragment f) { csg_fold(s, f, true); }
 
-// A group that both ends have a part of is crossed as one, too: it is the last one of either.
+// If both ends have a part of the same group, it is crossed as one. It is the last group of either end.
 void csg_merge(inout State s, State behind) {
   if (s.word.y == behind.word.y && s.word.y != kNone) {
     s.word.x ^= behind.word.x;  // the value behind the group, seen from the front, is the value before it from behind

@@ -1,11 +1,12 @@
-// An effect is a fold over a pixel's fragments: init, step (the next one behind), step_back (the next one in front,
-// for techniques that come from the far end), merge (what lies behind), finish. Those that take more than a few
-// lines have a file of their own. The constant kEffect chooses, so that a driver keeps one of them.
+// An effect is a fold over the fragments of a pixel. Its functions are init, step (adds the next fragment
+// behind), step_back (adds the next one in front, for techniques that come from the far end), merge (adds the
+// state of what lies behind) and finish. Effects of more than a few lines have their own file. The constant
+// kEffect chooses, so that a driver compiles only one of them.
 #ifndef EFFECTS_GLSL
 #define EFFECTS_GLSL
 #include "scene/opaque.glsl"
 
-// The state of a fold over a pixel's fragments; what its members mean is up to the effect.
+// The state of a fold over the fragments of a pixel. Each effect defines what the members mean.
 struct State {
   vec4 color;
   uvec4 word;
@@ -13,8 +14,8 @@ struct State {
 layout(std430, set = 0, binding = SLOT_OBJECTS) readonly buffer Objects { uint objects[]; };
 uint object_of(uint id) { return objects[triangle_of(id)]; }
 
-// "Over": colour (premultiplied, linear) and the transmittance of what was folded. Wireframe differs only in the
-// colours that its fragments come with.
+// The "over" operator: premultiplied linear colour, and the transmittance of what was folded. Wireframe
+// differs only in the colours of its fragments.
 State transparency_init() { return State(vec4(0.0, 0.0, 0.0, 1.0), uvec4(0u)); }
 
 void transparency_step(inout State s, Fragment f) {
@@ -40,7 +41,8 @@ vec4 transparency_finish(State s, uint pixel) {
 
 #include "resolve/coplanarity.glsl"
 
-// Fragments of the pixel, as a heat map that doubles from colour to colour. word.x: their number.
+// The number of fragments of the pixel, as a heat map in which each colour stands for twice as many as the
+// one before. word.x is the number.
 State complexity_init() { return State(vec4(0.0), uvec4(0u)); }
 void complexity_step(inout State s, Fragment f) { ++s.word.x; }
 void complexity_merge(inout State s, State behind) { s.word.x += behind.word.x; }
@@ -53,8 +55,9 @@ vec4 complexity_finish(State s) {
   return vec4(mix(ramp[from], ramp[from + 1u], place - float(from)), 1.0);
 }
 
-// How much of closed solids a ray goes through: backs minus fronts, in units of the distance between the planes,
-// shown as light that is absorbed. color.x: the sum; word.x: fragments.
+// The length of a ray inside closed solids: depths of back faces minus those of front faces, in units of the
+// distance between the planes. It is shown as light that is absorbed. color.x is the sum, word.x the number
+// of fragments.
 State thickness_init() { return State(vec4(0.0), uvec4(0u)); }
 void thickness_step(inout State s, Fragment f) {
   const float d = (view_distance(f.z) - frame.planes.x) / (frame.planes.y - frame.planes.x);
@@ -73,8 +76,9 @@ vec4 thickness_finish(State s) {
 #include "resolve/csg.glsl"
 #include "resolve/self_collision.glsl"
 
-// Every fragment as it was delivered, for tests, deep pixels and picking: pixel_count() + 1 offsets, then depth
-// bits, id and colour of each. word.x: how many so far. Those from the back fill from the end.
+// Every fragment as it was delivered, for tests, deep pixels and picking. The buffer has pixel_count() + 1
+// offsets, then depth bits, id and colour of each fragment. word.x is the number so far. Fragments from the
+// back fill the range from its end.
 layout(std430, set = 0, binding = SLOT_DUMP) buffer Dump { uint dump[]; };
 
 State dump_init() { return State(vec4(0.0), uvec4(0u)); }
@@ -94,7 +98,7 @@ void dump_step_back(inout State s, uint pixel, Fragment f) {
   if (place >= dump[pixel]) dump_write(place, f);
 }
 
-// include/pellucid/render.h: enum class Effect.
+// The values of enum class Effect of include/pellucid/render_options.h.
 const uint kTransparencyEffect = 0u;
 const uint kWireframeEffect = 1u;
 const uint kCsgEffect = 2u;
@@ -104,7 +108,7 @@ const uint kComplexityEffect = 5u;
 const uint kThicknessEffect = 6u;
 const uint kDumpEffect = 7u;
 
-// Does the order of fragments at one depth matter?
+// Returns whether the order of fragments at one depth matters.
 bool effect_blends() { return kEffect <= kWireframeEffect; }
 
 State effect_init() {
@@ -156,6 +160,6 @@ vec4 effect_finish(State s, uint pixel) {
   return transparency_finish(s, pixel);
 }
 
-// Nothing behind can be seen: what is left changes no channel of eight bits.
+// Returns whether nothing behind can be seen, because what is left changes no 8-bit channel.
 bool effect_is_done(State s) { return effect_blends() && s.color.a < 1.0 / 16384.0; }
 #endif

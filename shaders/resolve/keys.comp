@@ -5,8 +5,8 @@
 #include "capture/keys.glsl"
 #include "resolve/effects.glsl"
 #include "resolve/tally.glsl"
-// Fold kK slots of a pixel, which are in depth order already: keys (A) and colours (C); or three words each, WORDS of a
-// buffer (A) or LAYERS of an image, four words to each.
+// Folds kK slots of a pixel, which are in depth order already. They are keys (A) and colours (C), or three
+// words each: WORDS of a buffer (A), or LAYERS of an image with four words each.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 #if defined(WORDS) || defined(LAYERS)
@@ -17,7 +17,7 @@ uint word_of(uvec2 pixel, uint i) { return words[3u * kK * pixel_index(pixel) + 
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray layers;
 uint word_of(uvec2 pixel, uint i) { return texelFetch(layers, ivec3(pixel, i / 4u), 0)[i % 4u]; }
 #endif
-// An id of kNone is no fragment's.
+// No fragment has the id kNone.
 uint64_t key_of(uvec2 pixel, uint slot) {
   return (uint64_t(word_of(pixel, 3u * slot)) << 32) | uint64_t(word_of(pixel, 3u * slot + 1u));
 }
@@ -36,7 +36,7 @@ void main() {
     const uint index = pixel_index(pixel);
     State state = effect_init();
     uint64_t previous = uint64_t(0);
-    uint run = 0u;  // fragments at the depth of the last one, beside it
+    uint run = 0u;  // number of further fragments at the depth of the last one
     uint captured = 0u;
     uint coplanar = 0u;
     bool done = false;

@@ -5,8 +5,9 @@
 #include "resolve/storage.glsl"
 #include "resolve/effects.glsl"
 
-// Sorting networks over the arrays z and node, by z: Batcher's odd-even merge sort, written out so that all indices are
-// constants and the arrays live in registers. Batcher, "Sorting Networks and Their Applications", AFIPS 1968.
+// Sorting networks over the arrays z and node, by z: Batcher's odd-even merge sort. It is written out so that
+// all indices are constants and the arrays stay in registers. Based on: Batcher, "Sorting Networks and Their
+// Applications", AFIPS 1968.
 #define SORT_PAIR(i, j) { \
     const bool swapped = z[j] < z[i]; \
     const float zi = z[i]; const uint node_i = node[i]; \
@@ -31,7 +32,8 @@
   SORT_PAIR(10, 12) SORT_PAIR(11, 13) SORT_PAIR(1, 2) SORT_PAIR(3, 4) SORT_PAIR(5, 6) SORT_PAIR(7, 8) \
   SORT_PAIR(9, 10) SORT_PAIR(11, 12) SORT_PAIR(13, 14)
 
-// Of the arrays z, id and color: insert (carried_z, carried_id, carried_color) into the 32 smallest so far; what falls out at the end is lost.
+// Inserts (carried_z, carried_id, carried_color) into the arrays z, id and color, which hold the 32 smallest
+// so far. What falls out at the end is dropped.
 #define CARRY(i) { \
     const bool here = before(carried_z, carried_id, z[i], id[i]); \
     const float zi = z[i]; const uint idi = id[i]; const uint ci = color[i]; \
@@ -42,20 +44,21 @@
 
 #include "resolve/tally.glsl"
 #include "resolve/tiles.glsl"
-// Sort the fragments of a pixel by (z, id) and fold them: one workgroup a tile, one invocation a pixel. Compiled for
-// each class of tiles: lists of at most ROOM fragments are sorted by a network in registers; RUNS of 16 are sorted by the
-// same network and merged; LONG lists give their nearest 32 at a time, each time those behind the last. PLAIN is what
-// everyone does, to measure against: insertion sort of a local array of ROOM, whatever the length.
+// Sorts the fragments of a pixel by (z, id) and folds them, with one workgroup per tile and one invocation
+// per pixel. It is compiled for each class of tiles. Lists of at most ROOM fragments are sorted by a network
+// in registers. RUNS of 16 are sorted by the same network and merged. LONG lists give their nearest 32
+// fragments at a time, each time those behind the last. PLAIN is the usual insertion sort of a local array of
+// ROOM fragments, for comparison, whatever the length is.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
-// Bits of kVariant. 1: nothing is counted, so that a pixel is left where nothing behind can be seen. 2: pixels
-// without fragments stay as they are.
+// Bits of kVariant. Value 1: nothing is counted, so a pixel is finished as soon as nothing behind can be
+// seen. Value 2: pixels without fragments stay as they are.
 const bool kCounts = (kVariant & 1u) == 0u;
 const bool kRepairs = (kVariant & 2u) != 0u;
 State state;
 uint folded = 0u;
 uint coplanar = 0u;
-uint run = 0u;  // fragments at the depth of the last one
+uint run = 0u;  // number of further fragments at the depth of the last one
 float last_z = -1.0;
 uint last_id = 0u;
 bool done = false;
@@ -78,8 +81,8 @@ bool stops() { return done && !kCounts; }
 #define CLEAR_ROOM for (uint i = 0u; i < ROOM; ++i) { z[i] = 2.0; id[i] = kNone; color[i] = 0u; }
 
 #if defined(LONG)
-// A driver may end all loops of an invocation after a number of turns (65,535 on lavapipe): push.p0 says how many there
-// may be; what is not reached is the farthest, and is counted.
+// A driver may end all loops of an invocation after a number of turns (65,535 on lavapipe). push.p0 is the
+// number of allowed turns. The fragments that are not reached are the farthest, and they are counted.
 void fold_bucket(uint pixel, uint bucket) {
   ROOM_ARRAYS
   const uint count = stored_in(pixel, bucket);
@@ -131,9 +134,10 @@ void fold_bucket(uint pixel, uint bucket) {
   for (uint i = 0u; i < count && !stops(); ++i) fold(pixel, z[i], id[i], color[i]);
 }
 #else
-// Depths and places are sorted alone: ids and colours are read of what is folded, ids of equal depths as well.
+// Only depths and nodes are sorted. Ids are read for equal depths and when a fragment is folded, colours only
+// then.
 uvec2 sorted[RUNS * ROOM];  // depth, node
-float nearest[RUNS];        // depth of what is left of each run
+float nearest[RUNS];        // depth of the first fragment left in each run
 uint place[RUNS];
 
 #define LOAD(i) if (next_depth(cursor, depth, at)) { z[i] = depth; node[i] = at; }
@@ -163,7 +167,7 @@ void sort_run(uint run, inout Cursor cursor) {
   place[run] = first;
 }
 
-// Depth of the one behind `at` in its run.
+// Returns the depth of the fragment after `at` in its run.
 float depth_behind(uint at) { return at % ROOM == ROOM - 1u ? kBehindAll : uintBitsToFloat(sorted[at + 1u].x); }
 
 void take(uint run, float behind) {
@@ -171,7 +175,8 @@ void take(uint run, float behind) {
   ++place[run];
 }
 
-// Fragments at one depth, which lie at the heads of some runs: by their ids. Returns how many there are.
+// Folds fragments at one depth, which are at the heads of some runs, by their ids. Returns how many there
+// are.
 uint fold_coplanar(uint pixel, uint runs, float z) {
   uint folded_id = 0u;
   uint group = 0u;

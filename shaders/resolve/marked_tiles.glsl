@@ -1,5 +1,5 @@
-// Tiles of 8 x 8 pixels with pixels that are to be drawn anew. D: arguments of an indirect dispatch with a workgroup for
-// each of them, a word for every tile of the image (1: it is one), and the list of them.
+// Tiles of 8 x 8 pixels that have pixels to be drawn anew. D has the arguments of an indirect dispatch with
+// one workgroup per marked tile, one word per tile of the image (1: marked), and the list of marked tiles.
 #ifndef MARKED_TILES_GLSL
 #define MARKED_TILES_GLSL
 layout(std430, set = 0, binding = SLOT_D) buffer MarkedTiles { uint marked_tiles[]; };
@@ -14,7 +14,7 @@ void mark_tile(uint tile) {
   marked_tiles[3u + tile_count() + atomicAdd(marked_tiles[0], 1u)] = tile;
 }
 
-// The n-th in the list: its place among the tiles of the image.
+// Returns the position of the n-th marked tile among the tiles of the image.
 uvec2 marked_tile(uint n) {
   const uint tile = marked_tiles[3u + tile_count() + n];
   return uvec2(tile % tiles_of_image().x, tile / tiles_of_image().x);

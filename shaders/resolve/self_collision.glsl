@@ -1,15 +1,19 @@
-// Where an object runs through itself: a ray that is inside of it enters it once more. At most 8 objects.
-// word: how often inside (4 bits an object, plus 8: where faces are closer than depths are exact a ray may leave
-// before it enters, and comes out even; beyond -8..7 it wraps); fronts at the depth word.z, which count once that depth
-// is left, so that parts that only touch do not collide; the nearest colour, bit 31: a collision was found.
+// Shows where an object intersects itself: where a ray that is inside the object enters it again. At most 8
+// objects.
+//
+// The first word has 4 bits per object: how often the ray is inside, plus 8. If faces are closer than the
+// precision of depths, a ray may leave an object before it enters it; the counts still come out even. Counts
+// beyond -8..7 wrap around. The second word has the fronts at the depth of the third word. They count only
+// when that depth is left, so that parts that merely touch do not collide. The fourth word has the nearest
+// colour; bit 31 says that a collision was found.
 State self_collision_init() { return State(vec4(0.0), uvec4(0x88888888u, 0u, kNone, 0u)); }
 
-// All objects at once.
+// Handles all objects at once.
 void self_collision_close(inout State s) {
   const uint entered = s.word.y;
   const uint some = (entered | entered >> 1 | entered >> 2 | entered >> 3) & 0x11111111u;
   s.word.x += entered;
-  const uint twice = s.word.x >> 3 & (s.word.x >> 2 | s.word.x >> 1);  // 10 and more, in the lowest bit of each
+  const uint twice = s.word.x >> 3 & (s.word.x >> 2 | s.word.x >> 1);  // lowest bit of a field: it is 10 or more
   if ((twice & some) != 0u) s.word.w |= 0x80000000u;
   s.word.y = 0u;
 }

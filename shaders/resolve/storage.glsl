@@ -1,6 +1,7 @@
-// Where a buffer technique left the fragments of a pixel: RANGES (S-buffer; push.p3 nodes), LISTS (linked lists, perhaps in buckets)
-// ARRAYS (fixed size) or LAYERS (of an image). A Cursor runs over them in no particular order: next() gives whole
-// fragments, next_depth() a depth and the node whose id and colour fragment_at() gets.
+// Reads the fragments of a pixel where a technique stored them: RANGES (S-buffer, with push.p3 nodes), LISTS
+// (linked lists, possibly in buckets), ARRAYS (of fixed size) or LAYERS (of an image). A Cursor visits them
+// in no particular order. next() returns whole fragments. next_depth() returns a depth and the node from
+// which fragment_at() reads id and colour.
 #if defined(RANGES)
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Ends { uint ends[]; };
@@ -64,7 +65,7 @@ bool next(inout Cursor cursor, out Fragment f) {
   ++cursor.layer;
   return true;
 }
-// Of a node: its pixel and layer in one number.
+// The node has the pixel and the layer in one number.
 bool next_depth(inout Cursor cursor, out float z, out uint node) {
   Fragment f;
   node = cursor.pixel * kK + cursor.layer;

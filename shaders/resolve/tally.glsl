@@ -1,5 +1,5 @@
-// What a workgroup of 8 x 8 pixels captured, added to the counters once. Call begin_tally first and end_tally last, in
-// uniform control flow.
+// Adds what a workgroup of 8 x 8 pixels captured to the counters once. Call begin_tally() first and
+// end_tally() last, in uniform control flow.
 #ifndef TALLY_GLSL
 #define TALLY_GLSL
 shared uint captured_sum, coplanar_sum, coplanar_pixels_sum, active_sum;
@@ -14,7 +14,8 @@ void begin_tally() {
   barrier();
 }
 
-// `new_pixel`: no earlier round counted it as one with coplanar fragments. `goes_on`: the next round may find more.
+// `new_pixel`: no earlier round counted the pixel as one with coplanar fragments. `goes_on`: the next round
+// may find more.
 void tally(uint captured, uint coplanar, bool new_pixel, bool goes_on) {
   if (captured > 0u) atomicAdd(captured_sum, captured);
   if (goes_on) atomicAdd(active_sum, 1u);

@@ -1,4 +1,5 @@
-// Tiles of 8 x 8 pixels by class. E: three words of an indirect dispatch for each class, then the tiles of each.
+// Lists of tiles of 8 x 8 pixels by class. E has three words of an indirect dispatch for each class, then the
+// tiles of each class.
 #ifndef TILES_GLSL
 #define TILES_GLSL
 const uint kClasses = 5u;

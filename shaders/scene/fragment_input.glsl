@@ -1,4 +1,4 @@
-// A rasterised fragment: its pixel, depth, id, and its colour (the same lighting as src/order/fragment_shader.cpp).
+// A rasterised fragment: its pixel, depth, id and colour. The lighting is that of src/metric/shading.cpp.
 #ifndef FRAGMENT_INPUT_GLSL
 #define FRAGMENT_INPUT_GLSL
 #include "scene/opaque.glsl"
@@ -11,11 +11,11 @@ layout(location = 3) in vec4 vertex_color;
 
 struct TriangleInfo {
   uint object;
-  uint id;  // of the triangle in the scene as it was given
+  uint id;  // number of the triangle in the RenderScene
 };
 struct Surface {
   vec4 color;
-  uint texture_number;  // kNone: it has none
+  uint texture_number;  // kNone: no texture
   float cutoff;
   uint is_opaque;
   uint unused;
@@ -26,7 +26,7 @@ layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint i
 layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
 
 #if defined(MARKED)
-// Of the triangles that are drawn again, which one it is.
+// For triangles that are drawn again: their numbers.
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) readonly buffer Touching { uint touching[]; };
 uint fragment_triangle() { return touching[push.first_triangle + uint(gl_PrimitiveID)]; }
 #else
@@ -51,7 +51,7 @@ float distance_to_line(vec2 p, vec2 a, vec2 b) {
   return l > 0.0 ? abs(along.x * (p.y - a.y) - along.y * (p.x - a.x)) / l : length(p - a);
 }
 
-// Share of an edge's colour at this fragment; lines are about 1.4 pixels wide.
+// Returns the share of the edge colour at this fragment. Lines are about 1.4 pixels wide.
 float edge_share() {
   const uint corner = 3u * fragment_triangle();
   const vec2 a = screen_of(indices[corner]);
@@ -68,14 +68,14 @@ float to_the_48th(float x) {
   return x16 * x16 * x16;
 }
 
-// Here, not where it is needed: in a branch that not all pixels of a quad take, derivatives are undefined.
+// Derivatives are taken here, because they are undefined in a branch that not all pixels of a quad take.
 vec3 lit_face = cross(dFdx(world_position), dFdy(world_position));
 vec2 texcoord_dx = dFdx(texcoord);
 vec2 texcoord_dy = dFdy(texcoord);
 
 Surface surface_here() { return surfaces[triangles[fragment_triangle()].object]; }
 
-// Colour and opacity, not lit.
+// Returns colour and opacity without lighting.
 vec4 base_color(Surface surface) {
   vec4 color = surface.color;
   if (!has_feature(kColored)) return color;
@@ -85,8 +85,8 @@ vec4 base_color(Surface surface) {
   return color;
 }
 
-// Before all else, in every pass alike: what nobody can see is no fragment. After the derivatives, which need
-// the whole quad.
+// Discards fragments that nobody can see. Every pass calls it before anything else, but after taking
+// derivatives, which need the whole quad.
 bool discard_unseen() {
   if (is_behind_opaque(ivec2(gl_FragCoord.xy), gl_FragCoord.z)) discard;
   if (has_feature(kCutOut)) {
@@ -101,14 +101,15 @@ vec3 direction_to_eye() {
   return frame.eye.w != 0.0 ? normalize(frame.eye.xyz - world_position) : frame.to_viewer.xyz;
 }
 
-// Unit normal on the side that is seen.
+// Returns the unit normal on the visible side.
 vec3 seen_normal(vec3 to_eye) {
   const vec3 face = dot(lit_face, to_eye) < 0.0 ? -lit_face : lit_face;
   const vec3 normal = dot(world_normal, world_normal) > 0.0 ? world_normal : face;
   return normalize(dot(normal, face) < 0.0 ? -normal : normal);
 }
 
-// Of a sheet of opacity `alpha`, which light crosses the farther the more it is inclined.
+// Returns the opacity of a sheet of opacity `alpha`. The more the sheet is inclined, the longer is the path
+// of light through it.
 float seen_opacity(Surface surface, float alpha, float facing) {
   const bool translucent = surface.is_opaque == 0u && alpha < 1.0;
   return translucent ? 1.0 - exp2(log2(1.0 - alpha) / max(facing, 0.2)) : 1.0;

@@ -1,4 +1,5 @@
-// What opaque surfaces left (scene/opaque.frag): the bits of the nearest depth + 1, and its colour; 0: nothing.
+// What opaque surfaces left (scene/opaque.frag): the bits of the nearest depth + 1, and its colour; 0 where
+// there are none.
 #ifndef OPAQUE_GLSL
 #define OPAQUE_GLSL
 layout(set = 0, binding = SLOT_OPAQUE) uniform utexture2D opaque_surfaces;
@@ -9,7 +10,7 @@ bool is_behind_opaque(ivec2 pixel, float z) {
   return nearest != 0u && floatBitsToUint(z) + 1u >= nearest;
 }
 
-// What is seen through all that was captured.
+// Returns the colour that is seen through everything that was captured.
 vec3 background_of(uint pixel) {
   if (has_feature(kBehindOpaque)) {
     const uvec2 nearest = texelFetch(opaque_surfaces, ivec2(pixel % frame.size.x, pixel / frame.size.x), 0).xy;

@@ -4,15 +4,15 @@
 #extension GL_ARB_shader_viewport_layer_array : require
 #endif
 #include "frame.glsl"
-// The one vertex shader, so that depths of all passes agree to the bit. LAYERED: instance i goes to layer i of the
-// attachments.
+// The only vertex shader, so that the depths of all passes agree to the bit. With LAYERED, instance i goes to
+// layer i of the attachments.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 0) out vec3 world_position;
 layout(location = 1) out vec3 world_normal;
 invariant gl_Position;
 
-// What vertices hand to fragments beside their place: texture coordinates and colours, where a scene has some.
+// Texture coordinates and colours, if the scene has any.
 layout(location = 2) out vec2 texcoord;
 layout(location = 3) out vec4 vertex_color;
 layout(std430, set = 0, binding = SLOT_ATTRIBUTES) readonly buffer Attributes { float attributes[]; };

@@ -1,6 +1,7 @@
-// Textures as words of a buffer, so that a draw may use any number of them of any size. Each has a head of 20 words:
-// sides, levels, sampling (bits: wrap modes 0..1, 2..3; use of levels 4..5; filters 6, 7), where each level begins. A
-// texel has eight bits a channel: linear colour in gamma 2, opacity.
+// Textures as words of a buffer, so that a draw may use any number of them of any size. Each texture has a
+// head of 20 words: sides, levels, sampling (bits 0..1 and 2..3: wrap modes; 4..5: use of levels; 6 and 7:
+// filters), and where each level begins. A texel has eight bits per channel: linear colour in gamma 2, then
+// opacity.
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 layout(std430, set = 0, binding = SLOT_TEXTURES) readonly buffer Textures { uint texture_words[]; };
@@ -12,7 +13,7 @@ const uint kLevelsNone = 2u;
 const uint kMagnifyNearest = 6u;
 const uint kMinifyNearest = 7u;
 
-// Where a coordinate lies in 0..1.
+// Wraps a coordinate into 0..1.
 float wrapped(float x, uint wrap) {
   if (wrap == kWrapRepeat) return x - floor(x);
   if (wrap == kWrapMirror) return 1.0 - abs(1.0 - (x - 2.0 * floor(0.5 * x)));
@@ -44,7 +45,7 @@ vec4 sample_level(uint head, uint level, vec2 at, bool nearest) {
              mix(texel(begin, size.x, ivec2(a.x, b.y)), texel(begin, size.x, b), share.x), share.y);
 }
 
-// `dx`, `dy`: how the coordinates change from pixel to pixel.
+// Samples a texture. `dx` and `dy` say how the coordinates change from pixel to pixel.
 vec4 sample_texture(uint number, vec2 at, vec2 dx, vec2 dy) {
   const uint head = kTextureHead * number;
   const vec2 size = vec2(texture_words[head], texture_words[head + 1u]);

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
-// Premultiplied colour for blending "under" what was drawn before; rounded like the colours of all techniques.
+// Outputs the premultiplied colour for blending "under" what was drawn before. It is rounded like the colours
+// of all techniques.
 layout(location = 0) out vec4 color;
 void main() {
   const vec4 c = unpack_color(fragment_color());

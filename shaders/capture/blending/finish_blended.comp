@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/opaque.glsl"
-// What was blended front to back, over the background. MARKS: also which tiles have marked pixels, by their stencils.
+// Puts what was blended front to back over the background. With MARKS, it also lists the tiles that have
+// marked pixels, by their stencils.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform texture2D blended;

@@ -3,7 +3,8 @@
 #include "frame.glsl"
 #include "scene/opaque.glsl"
 #include "capture/blending/layer_nodes.glsl"
-// kK nodes of every pixel, in order already, over the background. Layers of the image have four words each, a node three.
+// Folds the kK nodes of every pixel, which are in order already, over the background. A layer of the image
+// has four words, a node three.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray layers;

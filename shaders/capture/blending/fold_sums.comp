@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/opaque.glsl"
-// Weighted sums of colours become their mean, seen as one layer that lets as much through as all fragments do.
+// Turns weighted sums of colours into their mean, which is seen as one layer with the transmittance of all
+// fragments.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform texture2D sums;

@@ -4,8 +4,8 @@
 #include "counters.glsl"
 #include "scene/opaque.glsl"
 #include "capture/blending/ordered_window.glsl"
-// The ordered k-buffer's last step: what is left in the window, the nearest first, under what was blended, and all of it
-// over the background. Counts pixels where something came too late.
+// The last step of the ordered k-buffer: blends what is left in the window, nearest first, under what was
+// blended before, and all of it over the background. Counts the pixels in which a fragment came too late.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray layers;

@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
-// Multi-layer alpha blending: SLOTS nodes in order of depth; where one too many comes, the two farthest become one.
-// Salvi, Vaidyanathan, I3D 2014. What was merged stays so, whatever comes between: it depends on draw order.
+// Multi-layer alpha blending: keeps SLOTS nodes in order of depth. When there is one node too many, the two
+// farthest are merged. A fragment that comes between merged ones later cannot be put in its place, so the
+// result depends on the draw order. Based on: Salvi, Vaidyanathan, I3D 2014.
 #include "capture/blending/layer_nodes.glsl"
 #define ATTACHMENTS 3  // four nodes of three words
 #include "capture/ordered_words.glsl"

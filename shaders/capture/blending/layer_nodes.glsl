@@ -1,5 +1,5 @@
-// A node of multi-layer alpha blending: depth bits, then premultiplied colour and transmittance of one or more layers as
-// half floats. kNone in place of a depth: there is none.
+// A node of multi-layer alpha blending: depth bits, then premultiplied colour and transmittance of one or
+// more layers as half floats. An empty node has kNone in place of the depth.
 #ifndef LAYER_NODES_GLSL
 #define LAYER_NODES_GLSL
 uvec3 layer_node(uint depth, vec4 layer) { return uvec3(depth, packHalf2x16(layer.rg), packHalf2x16(layer.ba)); }

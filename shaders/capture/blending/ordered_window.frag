@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
-// The ordered k-buffer: fragments that come front to back, nearly, pass through a sorted window of the kK farthest so far;
-// what leaves it, the nearest, is blended under what left before.
+// The ordered k-buffer. Fragments come nearly front to back and pass through a sorted window of the kK
+// farthest fragments so far. The fragment that leaves the window, its nearest, is blended under those that
+// left before.
 #include "capture/ordered_words.glsl"
 #include "capture/insert_fragment.glsl"
 #include "capture/blending/ordered_window.glsl"
@@ -22,7 +23,7 @@ void put_blended(vec4 blended) {
 void blend(uvec3 nearest) {
   put_blended(blended_under(blended_before(), nearest.z));
   const uvec3 farthest = uvec3(words[kFarthestWord], words[kFarthestWord + 1u], 0u);
-  const bool is_late = is_before(farthest, nearest);  // keys are turned over
+  const bool is_late = is_before(farthest, nearest);  // keys are complemented
   if (is_late) {
     words[kLateWord] = 0u;
   } else {

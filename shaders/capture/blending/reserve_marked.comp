@@ -3,8 +3,9 @@
 #include "frame.glsl"
 #include "counters.glsl"
 #include "resolve/marked_tiles.glsl"
-// As buffers/offsets.comp where few pixels have fragments, with a workgroup for each of their tiles: from counts (A) to
-// the first node of each of them (B), with an atomic addition for each. Nobody asks where the ranges of the others begin.
+// Does what buffers/offsets.comp does, for few pixels with fragments. There is one workgroup for each marked
+// tile. Counts (A) become the first node of each pixel (B), with one atomic addition per pixel. Ranges of
+// other pixels are not read.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_B) writeonly buffer Ends { uint ends[]; };

@@ -3,9 +3,10 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #if defined(DEPTHS)
-// First pass of stochastic transparency: a fragment hides as large a share of its pixel's kK samples (A) as its opacity
-// says, chosen at random; the nearest fragment of each sample stays. Enderton, Sintorn, Shirley, Luebke, I3D 2010. The
-// numbers are those of the sample of the whole image and the fragment's id: the same in every frame.
+// First pass of stochastic transparency: a fragment covers a random share of the kK samples of its pixel (A)
+// that equals its opacity. Each sample keeps its nearest fragment. The random numbers depend only on the
+// sample in the whole image and on the id of the fragment, so they are the same in every frame. Based on:
+// Enderton, Sintorn, Shirley, Luebke, I3D 2010.
 layout(std430, set = 0, binding = SLOT_A) buffer SampleDepths { uint sample_depths[]; };
 
 uint mixed(uint x) {
@@ -26,7 +27,7 @@ void main() {
   random_state = mixed(fragment_id()) ^ sample_in_image(uvec2(gl_FragCoord.xy));
   const uint depth = floatBitsToUint(gl_FragCoord.z);
   const float samples = float(kK) * unpack_color(fragment_color()).a;
-  // So many of those that are left, each as likely as the others.
+  // Choose `wanted` of the samples that are left, each with the same probability.
   uint wanted = uint(samples + next_random());
   for (uint i = 0u; i < kK && wanted > 0u; ++i) {
     if (next_random() * float(kK - i) >= float(wanted)) continue;
@@ -38,8 +39,8 @@ void main() {
 
 #if defined(COLORS)
 #include "capture/blending/optical_depth.glsl"
-// Second pass of stochastic transparency: a fragment gets light through the samples (A) that hide nothing in front of it.
-// Transmittance of all is summed up as it is (the paper's alpha correction).
+// Second pass of stochastic transparency: a fragment gets light through the samples (A) in which nothing
+// hides it. The transmittance of all fragments is summed up exactly (the alpha correction of the paper).
 layout(std430, set = 0, binding = SLOT_A) readonly buffer SampleDepths { uint sample_depths[]; };
 layout(location = 0) out vec4 sums;
 layout(location = 1) out float depth_sum;

@@ -3,8 +3,9 @@
 #include "frame.glsl"
 #include "scene/samples.glsl"
 #include "resolve/marked_tiles.glsl"
-// Which triangles of a range touch tiles of 8 x 8 pixels that are marked: an index buffer of them, in any order.
-// push.first_triangle, p0 triangles; p1: the range, whose draw has five words of arguments.
+// Writes an index buffer, in any order, of the triangles of a range that touch marked tiles of 8 x 8 pixels.
+// The range begins at push.first_triangle and has push.p0 triangles. push.p1 is its number; its draw has five
+// words of arguments.
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = SLOT_INDICES) readonly buffer Indices { uint indices[]; };
 layout(std430, set = 0, binding = SLOT_POSITIONS) readonly buffer Positions { float positions[]; };
@@ -12,8 +13,8 @@ layout(std430, set = 0, binding = SLOT_STATE_FRONT) writeonly buffer Touching { 
 layout(std430, set = 0, binding = SLOT_STATE_GROUP) writeonly buffer TouchingIndices { uint touching_indices[]; };
 layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer Arguments { uint arguments[]; };
 
-const int kMostTiles = 1024;  // larger triangles are taken as they are
-const float kSlack = 1.0;     // pixels, more than rasterisation rounds and samples lie apart
+const int kMostTiles = 1024;  // triangles with larger bounds are always taken
+const float kSlack = 1.0;     // pixels; more than the rounding of rasterisation and the offset of samples
 
 vec4 clip_of(uint vertex) {
   return frame.clip_from_world *
@@ -25,7 +26,7 @@ vec2 pixel_of(vec4 clip) {
   return whole - vec2(0.0, float(frame.first_row));
 }
 
-// Of the band's copy that begins at `row`: are any tiles marked between `low` and `high`?
+// Returns whether any tile between `low` and `high` is marked, in the copy of the band that begins at `row`.
 bool any_marked(vec2 low, vec2 high, float row) {
   const ivec2 tiles = ivec2(tiles_of_image());
   const ivec2 first = ivec2(low + vec2(0.0, row)) / 8;
@@ -40,7 +41,7 @@ bool any_marked(vec2 low, vec2 high, float row) {
 }
 
 bool touches(vec4 a, vec4 b, vec4 c) {
-  if (min(a.w, min(b.w, c.w)) <= 0.0) return true;  // passes the eye: anywhere
+  if (min(a.w, min(b.w, c.w)) <= 0.0) return true;  // reaches behind the eye, so it may be anywhere
   const vec2 pa = pixel_of(a);
   const vec2 pb = pixel_of(b);
   const vec2 pc = pixel_of(c);

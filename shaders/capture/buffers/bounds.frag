@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
-// Nearest and farthest depth of every pixel. B: two words (bits); they start at kNone and 0.
+// Finds the nearest and farthest depth of every pixel. B has two words (bits) per pixel, which start at kNone
+// and 0.
 layout(std430, set = 0, binding = SLOT_B) buffer Bounds { uint bounds[]; };
 void main() {
   const uint pixel = fragment_pixel();

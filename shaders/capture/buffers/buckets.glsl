@@ -1,4 +1,5 @@
-// Uniform buckets between the depths of a pixel's nearest and farthest fragment (bits); monotone in z.
+// Returns the uniform bucket of a depth between the nearest and farthest depth (bits) of a pixel. It is
+// monotone in z.
 uint bucket_of(float z, uint nearest, uint farthest, uint buckets) {
   const float zn = uintBitsToFloat(nearest);
   const float zf = uintBitsToFloat(farthest);

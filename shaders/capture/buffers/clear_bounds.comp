@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
-// No depths yet: nearest (bits) is larger, farthest smaller than any.
+// Clears the bounds: the nearest depth (bits) is larger than any depth, the farthest smaller.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_B) writeonly buffer Bounds { uint bounds[]; };
 void main() {

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "capture/keys.glsl"
-// No keys yet in the kK slots (A) of every pixel; every other one is for a maximum.
+// Clears the kK slots (A) of every pixel. Every second slot is for a maximum.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_A) writeonly buffer Keys { uint64_t keys[]; };
 void main() {

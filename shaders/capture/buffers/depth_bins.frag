@@ -3,7 +3,7 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #include "capture/buffers/depth_bins.glsl"
-// Which bins of a pixel's depth range (B) have fragments (D).
+// Marks the bins of the depth range of a pixel (B) that have fragments (D).
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Bounds { uint bounds[]; };
 layout(std430, set = 0, binding = SLOT_D) buffer Bins { uint bins[]; };
 void main() {

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "capture/buffers/depth_bins.glsl"
-// The bins that begin a bucket, so that all have the same number of occupied ones, give or take one.
+// Finds the bins that begin a bucket, so that the numbers of occupied bins of all buckets differ by at most
+// one.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_D) buffer Bins { uint bins[]; };
 void main() {

@@ -3,8 +3,8 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #include "counters.glsl"
-// An array of kK nodes for every pixel, in draw order. A: fragments so far; C: depths of all nodes, then their
-// ids and colours.
+// Fills an array of kK nodes for every pixel, in draw order. A has the number of fragments so far. C has the
+// depths of all nodes, then their ids and colours.
 layout(std430, set = 0, binding = SLOT_A) buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {

@@ -3,8 +3,9 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #include "counters.glsl"
-// Linked lists. A: heads, `kK` (buckets) for a pixel; C: nodes (depth, id, colour, next). With several buckets, B has
-// the bounds of a pixel's depths (bits) and the bucket is that of the fragment's depth between them.
+// Fills linked lists. A has kK heads (buckets) per pixel, C has nodes (depth, id, colour, next). With several
+// buckets, B has the bounds of the depths of a pixel (bits), and the bucket depends on the depth of the
+// fragment between them.
 layout(std430, set = 0, binding = SLOT_A) buffer Heads { uint heads[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Bounds { uint bounds[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uvec4 nodes[]; };

@@ -4,10 +4,10 @@
 #include "scene/fragment_input.glsl"
 #include "counters.glsl"
 #if defined(MARKED)
-layout(early_fragment_tests) in;  // what the stencil test keeps out leaves nothing here
+layout(early_fragment_tests) in;  // fragments that fail the stencil test must not be stored
 #endif
-// S-buffer, second pass: each fragment into the range of its pixel. B: where the next one goes; C: depths of all nodes,
-// then their ids and colours. push.p3 is the number of nodes.
+// S-buffer, second pass: stores each fragment in the range of its pixel. B says where the next one goes. C
+// has the depths of all nodes, then their ids and colours. push.p3 is the number of nodes.
 layout(std430, set = 0, binding = SLOT_B) buffer Ends { uint ends[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Nodes { uint nodes[]; };
 void main() {

@@ -7,8 +7,9 @@
 #include "capture/buffers/overflow_tail.glsl"
 #include "resolve/effects.glsl"
 #include "resolve/tally.glsl"
-// Fold the keys (A) and colours (C) of every pixel's share, which are in depth order already, empty it for the next
-// round, and say in the last key (B) where that begins: of pixels that are done, behind everything.
+// Folds the keys (A) and colours (C) of the share of every pixel, which are in depth order already, and
+// empties the share for the next round. The last key (B) says where that round begins. For finished pixels it
+// lies behind everything.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) buffer States { State states[]; };
@@ -24,7 +25,7 @@ void finish(uint pixel, State state) {
 void fold_share(uint pixel, Share share) {
   State state = effect_init();
   uint64_t previous = uint64_t(0);
-  uint run = 0u;  // fragments at the depth of the last one, beside it
+  uint run = 0u;  // number of further fragments at the depth of the last one
   bool pixel_counted = false;
   if (push.round > 0u) {
     state = states[pixel];

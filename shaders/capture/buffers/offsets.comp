@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "counters.glsl"
-// From counts (A) to the first node of every pixel (B): a scan within each tile of 8 x 8 pixels, one atomic addition
-// for the tile. Ranges of a tile lie together; where the tile lies depends on timing, what is drawn does not.
+// Turns counts (A) into the first node of every pixel (B): a scan within each tile of 8 x 8 pixels, and one
+// atomic addition per tile. The ranges of a tile are contiguous. The place of a tile depends on timing, the
+// image does not.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = SLOT_B) writeonly buffer Ends { uint ends[]; };

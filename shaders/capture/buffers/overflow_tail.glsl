@@ -1,6 +1,7 @@
-// What found no place, as one translucent layer behind the rest: the weighted average of its colours, with the product of
-// its transmittances. Maule, Comba, Torchelsen, Bastos, "Hybrid Transparency", I3D 2013. Sums of whole numbers, so that
-// the order of fragments does not matter. E: five words a pixel; push.p3: units of 1.
+// Fragments that did not fit, as one translucent layer behind the rest: the weighted average of their
+// colours, with the product of their transmittances. Sums are integers, so the order of fragments does not
+// matter. E has five words per pixel. push.p3 is the number of units in 1. Based on: Maule, Comba,
+// Torchelsen, Bastos, "Hybrid Transparency", I3D 2013.
 layout(std430, set = 0, binding = SLOT_E) buffer Tail { uint tail[]; };
 const uint kTailWords = 5u;  // opacity times red, green, blue; opacity; -log2 of transmittance
 const float kMostAbsorption = 16.0;
@@ -16,7 +17,7 @@ void add_to_tail(uint pixel, vec4 color) {
   atomicAdd(tail[at + 4u], uint(round(unit * absorption)));
 }
 
-// Premultiplied colour, transmittance.
+// Returns the premultiplied colour and the transmittance of the tail.
 vec4 tail_layer(uint pixel) {
   const uint at = kTailWords * pixel;
   if (tail[at + 3u] == 0u) return vec4(0.0, 0.0, 0.0, 1.0);

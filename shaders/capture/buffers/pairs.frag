@@ -7,7 +7,7 @@
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Bounds { uint bounds[]; };
 layout(std430, set = 0, binding = SLOT_D) readonly buffer Bins { uint bins[]; };
 
-// The bucket of a fragment: uniform (kVariant 0) or adaptive (1).
+// Returns the bucket of a fragment: uniform (kVariant 0) or adaptive (1).
 uint pair_bucket(uint pixel, float z) {
   const uint nearest = bounds[2u * pixel];
   const uint farthest = bounds[2u * pixel + 1u];
@@ -20,7 +20,8 @@ uint pair_bucket(uint pixel, float z) {
 }
 
 #if defined(KEYS)
-// The nearest and the farthest fragment of every bucket. A: two keys a bucket; they start at kNoKey and 0.
+// Finds the nearest and farthest fragment of every bucket. A has two keys per bucket, which start at kNoKey
+// and 0.
 layout(std430, set = 0, binding = SLOT_A) buffer Keys { uint64_t keys[]; };
 void main() {
   const uint pixel = fragment_pixel();
@@ -32,7 +33,7 @@ void main() {
 #endif
 
 #if defined(COLORS)
-// Colours (C) of the fragments whose keys were kept (A).
+// Stores the colours (C) of the fragments whose keys were kept (A).
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Keys { uint64_t keys[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Colors { uint colors[]; };
 void main() {

@@ -5,8 +5,8 @@
 #include "capture/keys.glsl"
 #include "capture/buffers/shares.glsl"
 #if defined(KEYS)
-// The nearest fragments of every pixel behind the last key of its round before (B), as many as its share of the pool
-// has places (A). In pixels that are done nothing is behind it.
+// Keeps the nearest fragments of every pixel that lie behind the last key (B) of the round before, as many as
+// the share of the pixel in the pool has places (A). In finished pixels nothing lies behind that key.
 layout(std430, set = 0, binding = SLOT_A) buffer Keys { uint64_t keys[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Last { uint64_t last[]; };
 #include "capture/insert_key.glsl"
@@ -22,12 +22,13 @@ void main() {
 #if defined(COLORS)
 #include "counters.glsl"
 #include "capture/buffers/overflow_tail.glsl"
-// Second pass over the same fragments: those whose keys (A) were kept bring their colours (C).
+// Second pass over the same fragments: those whose keys (A) were kept store their colours (C).
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Keys { uint64_t keys[]; };
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Last { uint64_t last[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Colors { uint colors[]; };
 
-// The place of a key among those of a share, which increase; its count: it is not there.
+// Returns the place of a key among the increasing keys of a share, or the size of the share if it is not
+// there.
 uint place_of(Share share, uint64_t key) {
   uint low = 0u;
   uint high = share.count;

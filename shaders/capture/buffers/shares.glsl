@@ -1,9 +1,11 @@
-// Places of a pool that is divided among pixels: D: the first place of every pixel's share, and the end. Where there are
-// not places for all pixels at once, those take part whose share lies in the window of push.p1 places from push.p0.
+// A pool that is divided among pixels. D has the first place of the share of every pixel, and the end. If the
+// places do not suffice for all pixels at once, a round handles only the pixels whose share lies in the
+// window of push.p1 places from push.p0.
 layout(std430, set = 0, binding = SLOT_D) readonly buffer Firsts { uint firsts[]; };
-// push.p2 of the last round.
+// The value of push.p2 in the last round.
 const uint kLastRound = 1u;
-// kVariant: fragments that find no place are lost, and counted; where the effect blends, they go to a tail.
+// The value of kVariant if fragments that find no place are lost and counted. If the effect blends, they go
+// to a tail.
 const uint kLosesFragments = 1u;
 
 struct Share {

@@ -3,7 +3,7 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #include "capture/k_buffers/blocks.glsl"
-// Everything goes to the tail of its block.
+// Adds every fragment to the tail of its block.
 void main() {
   const uint pixel = fragment_pixel();
   if (push.p2 != 0u) atomicOr(covered[pixel / 32u], 1u << (pixel % 32u));

@@ -1,6 +1,6 @@
-// Where not even a slot for each pixel fits: a tail for every block of push.p0 x push.p0 pixels (A, four words each), and
-// a bit for each pixel that something covers (B), if there is room for those (push.p2). push.p1: the range
-// of a tail.
+// Block tails, for budgets in which not even one slot per pixel fits. A has a tail of four words for every
+// block of push.p0 x push.p0 pixels. B has one bit for each pixel that something covers, if there is memory
+// for it (push.p2). push.p1 is the range of a tail.
 #ifndef BLOCKS_GLSL
 #define BLOCKS_GLSL
 #include "capture/k_buffers/tail.glsl"

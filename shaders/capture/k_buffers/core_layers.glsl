@@ -1,6 +1,6 @@
-// The fixed core in ordered attachments, in words that are cleared to kNone: kK slots (depth bits, id, colour), sorted;
-// then the sums of the tail, which begin at -1: red, green, blue, weight, and where opacities are the weights, optical
-// depth. push.p1: the range of the sums (tail.glsl).
+// What fixed-k and hybrid keep in ordered attachments, in words that are cleared to kNone. First come kK
+// sorted slots (depth bits, id, colour). Then come the sums of the tail, which begin at -1: red, green, blue,
+// weight and, if opacities are the weights, optical depth. push.p1 is the range of the sums (tail.glsl).
 #ifndef CORE_LAYERS_GLSL
 #define CORE_LAYERS_GLSL
 #include "capture/k_buffers/tail.glsl"

@@ -3,11 +3,11 @@
 #include "frame.glsl"
 #include "capture/k_buffers/blocks.glsl"
 #include "resolve/effects.glsl"
-// Each covered pixel gets its share of the block's tail.
+// Gives each covered pixel its share of the tail of its block.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 
-// Of the pixels of a row from one to another.
+// Counts the covered pixels of a row from one index to another.
 uint covered_between(uint first, uint last) {
   uint sum = 0u;
   for (uint word = first / 32u; word <= last / 32u; ++word) {

@@ -4,8 +4,8 @@
 #include "counters.glsl"
 #include "resolve/effects.glsl"
 #include "resolve/tally.glsl"
-// Fold the fragments of every pixel, which are in depth order already, and its tail behind them: from its place in the
-// pool, or from LAYERS of an image.
+// Folds the fragments of every pixel, which are in depth order already, and its tail behind them. They come
+// from the place of the pixel in the pool, or from the LAYERS of an image.
 #ifdef LAYERS
 #include "capture/k_buffers/core_layers.glsl"
 layout(set = 0, binding = SLOT_IMAGE_0) uniform utexture2DArray layers;
@@ -40,8 +40,9 @@ vec4 layer_of_tail(Place place) {
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 #ifdef MEASURE
-// What the tail of a pixel covers of what the fragments in front of it let through (E): a byte for the importance of
-// the next frame, which grows where more than kWanted is left to the tail and shrinks elsewhere (importance.comp).
+// Importance for the next frame (E), one byte per pixel. It depends on how much the tail covers of the light
+// that the fragments in front of it let through. It grows if more than kWanted is left to the tail, and
+// shrinks otherwise (importance.comp).
 layout(std430, set = 0, binding = SLOT_E) buffer Residues { uint residues[]; };
 const float kWanted = 1.0 / 16.0;
 void measure_residue(uint pixel, float residue) {
@@ -63,7 +64,7 @@ void main() {
     uint captured = 0u;
     uint coplanar = 0u;
     uint previous = kNone;
-    uint run = 0u;  // fragments at the depth of the last one, beside it
+    uint run = 0u;  // number of further fragments at the depth of the last one
     bool done = false;
     for (; captured < place.keys; ++captured) {
       Fragment f;

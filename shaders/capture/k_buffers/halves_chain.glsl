@@ -1,8 +1,8 @@
-// Insertion into the slots of a place by minima of 32 bits, first of depths, then of ids; needs slots.glsl as HALVES.
-// Chains as of capture/insert_key.glsl. As a slot only ever gets smaller, and in the end they increase, a depth may begin
-// behind any slot that is not farther.
+// Inserts fragments into the slots of a place by 32-bit minima, first depths, then ids. Needs slots.glsl with
+// HALVES. The chains work as in capture/insert_key.glsl. Slots only get smaller, and they increase in the
+// end, so a depth may skip every slot that is not farther.
 
-// Depths stay as often as there are fragments at them.
+// A depth is kept once for each fragment at it.
 void insert_depth(Place place, uint depth) {
   if (place.keys == 0u) return;
   const uint last = place.first + place.keys - 1u;
@@ -16,7 +16,8 @@ void insert_depth(Place place, uint depth) {
   for (uint i = begin; i <= last && depth != kNone; ++i) depth = max(depth, atomicMin(words[2u * i + 1u], depth));
 }
 
-// When all depths are there: of the fragments at one, the smallest ids, as many as it has slots.
+// Called when all depths are known. Of the fragments at one depth it keeps the smallest ids, as many as there
+// are slots with this depth.
 void insert_id(Place place, uint depth, uint id) {
   const uint behind = place.first + place.keys;
   for (uint i = first_slot_at(place, depth); i < behind && id != kNone && depth_at(i) == depth; ++i)

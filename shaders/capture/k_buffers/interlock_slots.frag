@@ -3,7 +3,8 @@
 #extension GL_ARB_fragment_shader_interlock : require
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
-// The kK nearest fragments in kK slots (A) of three words, one fragment of a pixel at a time (fragment shader interlock).
+// Keeps the kK nearest fragments in kK slots (A) of three words. The fragments of a pixel run one at a time
+// (fragment shader interlock).
 layout(pixel_interlock_unordered) in;
 layout(std430, set = 0, binding = SLOT_A) coherent buffer Slots { uint words[]; };
 #define SLOTS kK

@@ -3,8 +3,8 @@
 #include "frame.glsl"
 #include "capture/k_buffers/place_map.glsl"
 #include "capture/k_buffers/survey.glsl"
-// One round of the search for the highest level whose slots fit the budget: four more bits of the float, so slots are
-// summed up for 15 levels. What a round found follows from its sums.
+// One round of the search for the highest level whose slots fit the budget. A round finds four more bits of
+// the level (a float), so it sums up slots for 15 levels. The result of a round follows from its sums.
 layout(local_size_x = 64) in;
 const uint kLevels = 15u;
 shared uint part[kLevels];
@@ -26,7 +26,7 @@ void main() {
   if (lane == 0u) low = level_so_far();
   if (lane < kLevels) part[lane] = 0u;
   barrier();
-  // The last time it is only told.
+  // The last call only stores the level that was found.
   if (push.round == 8u) {
     if (group_index() == 0u && lane == 0u) budget.level = low;
     return;

@@ -7,10 +7,12 @@
 #include "scene/fragment_input.glsl"
 #include "counters.glsl"
 #include "capture/k_buffers/places.glsl"
-// The nearest fragments of a pixel, as many as it has slots for, in no order but that the first slot holds the
-// farthest: the one that the next has to be nearer than, which most are not, and that it takes the place of. One fragment
-// of a pixel at a time: fragment shader INTERLOCK, or a spin lock. Vasilakis, Papaioannou, Fudos, "k+-buffer: An Efficient,
-// Memory-Friendly and Dynamic k-buffer Framework", TVCG 2015. kK: a pixel with as many slots or more has a heap.
+// Keeps the nearest fragments of a pixel, as many as it has slots for. The first slot holds the farthest of
+// them; the others are in no particular order. A new fragment must be nearer than the first slot, and then
+// replaces it. Most fragments are not nearer and are rejected at once. The fragments of a pixel run one at a
+// time, by fragment shader interlock (INTERLOCK) or a spin lock. A pixel with kK slots or more has a heap.
+// Based on: Vasilakis, Papaioannou, Fudos, "k+-buffer: An Efficient, Memory-Friendly and Dynamic k-buffer
+// Framework", TVCG 2015.
 layout(std430, set = 0, binding = SLOT_A) coherent buffer Pool { uint words[]; };
 #include "capture/k_buffers/max_first.glsl"
 #ifdef INTERLOCK
@@ -18,7 +20,8 @@ layout(pixel_interlock_unordered) in;
 #endif
 
 void main() {
-  // Others of a quad that the triangle does not cover: their atomics do nothing, so they would wait in vain.
+  // Helper invocations, which the triangle does not cover, must leave: their atomics do nothing, so they
+  // would wait for the lock forever.
   if (gl_SampleMaskIn[0] == 0) discard;
   const Place place = place_of(fragment_pixel());
   const uvec2 key = uvec2(floatBitsToUint(gl_FragCoord.z), fragment_id());

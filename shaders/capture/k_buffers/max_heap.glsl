@@ -1,7 +1,9 @@
-// The fragments of a place as an array or as a heap whose first slot holds the farthest, for one invocation at a time.
-// Needs a buffer `words`. Keys are (depth bits, id), compared in this order; that of an empty slot is beyond all.
+// The fragments of a place as an array or a heap whose first slot holds the farthest, for one invocation at a
+// time. Needs a buffer `words`. Keys are (depth bits, id), compared in this order. The key of an empty slot
+// is greater than all others.
 //
-// The mark of the first slot's depth is a lock (max_first.frag): set, as it is in an empty slot, nobody has it.
+// The top bit of the depth of the first slot is a lock (max_first.frag). If it is set, as in an empty slot,
+// the lock is free.
 #ifndef MAX_HEAP_GLSL
 #define MAX_HEAP_GLSL
 const uint kUnlocked = kHasColor;
@@ -12,8 +14,8 @@ void put_key(uint slot, uvec2 key) {
 }
 bool is_behind(uvec2 a, uvec2 b) { return a.x > b.x || (a.x == b.x && a.y > b.y); }
 
-// A key takes the place `at` of a heap of `count`, or that of the farthest below it, which all move up. What comes to
-// `at` is not put there, but returned.
+// Puts a key into position `at` of a heap of `count`, or into the position of the farthest key below it; the
+// keys on the way move up. The key for position `at` is not stored but returned.
 uvec2 sift_down(uint first, uint count, uint at, uvec2 key) {
   const uint top = at;
   uvec2 farthest = key;
@@ -35,8 +37,8 @@ uvec2 sift_down(uint first, uint count, uint at, uvec2 key) {
   return farthest;
 }
 
-// A key takes the place of the farthest of an array, which is the first. Returns the one that is the farthest then, and
-// is not put there.
+// Replaces the first key of an array, the farthest, by a new key. Returns the key that is the farthest then;
+// it is not stored.
 uvec2 replace_first(uint first, uint count, uvec2 key) {
   uvec2 farthest = key;
   uint found = 0u;

@@ -4,14 +4,14 @@
 #include "scene/fragment_input.glsl"
 #include "capture/keys.glsl"
 #if defined(KEYS)
-// The kK nearest fragments. A: kK keys a pixel, increasing.
+// First pass: keeps the keys of the kK nearest fragments. A has kK increasing keys per pixel.
 layout(std430, set = 0, binding = SLOT_A) buffer Keys { uint64_t keys[]; };
 #include "capture/insert_key.glsl"
 void main() { insert_key(kK * fragment_pixel(), kK, make_key(gl_FragCoord.z, fragment_id())); }
 #endif
 
 #if defined(COLORS)
-// Second pass over the same fragments: those whose keys (A) were kept bring their colours (C).
+// Second pass over the same fragments: those whose keys (A) were kept store their colours (C).
 layout(std430, set = 0, binding = SLOT_A) readonly buffer Keys { uint64_t keys[]; };
 layout(std430, set = 0, binding = SLOT_C) writeonly buffer Colors { uint colors[]; };
 void main() {

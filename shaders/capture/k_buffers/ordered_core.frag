@@ -5,7 +5,7 @@
 #include "capture/ordered_words.glsl"
 #include "capture/insert_fragment.glsl"
 #include "capture/k_buffers/core_layers.glsl"
-// The kK nearest fragments, and what falls out of them as a tail, in one pass.
+// Keeps the kK nearest fragments, and adds what falls out of them to the tail, in one pass.
 
 void add_to_tail(uvec3 lost) {
   const vec4 depths = tail_share(lost.z);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
-// The kK nearest fragments, three words each.
+// Keeps the kK nearest fragments, three words each.
 #include "capture/ordered_words.glsl"
 #include "capture/insert_fragment.glsl"
 

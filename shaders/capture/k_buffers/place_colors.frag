@@ -4,8 +4,9 @@
 #include "scene/fragment_input.glsl"
 #include "capture/k_buffers/place_tail.glsl"
 #include "capture/k_buffers/slots.glsl"
-// Last pass over the same fragments: colours in place of ids where keys were kept, marked, so that no colour is taken
-// for the id of a fragment at the same depth; all others go to the tail.
+// Last pass over the same fragments: if the key of a fragment was kept, its colour replaces its id. A mark
+// keeps the colour from being taken for the id of a fragment at the same depth. All other fragments go to the
+// tail.
 const uint kDump = 7u;  // kDumpEffect, which wants the ids
 
 void main() {
@@ -20,7 +21,7 @@ void main() {
     return;
   }
   if (kEffect == kDump || place.tail == 0u) return;
-  // No farther than 1, where the last slot is empty.
+  // At most 1, in case the last slot is empty.
   const float last = place.keys > 0u ? uintBitsToFloat(min(depth_at(behind - 1u), floatBitsToUint(1.0))) : 0.0;
   const float rounding = tail_rounding(pixel, id);
   const uint color = fragment_color();

@@ -5,8 +5,9 @@
 #include "capture/keys.glsl"
 #include "capture/k_buffers/places.glsl"
 layout(std430, set = 0, binding = SLOT_A) buffer Pool { uint64_t pool[]; };
-// The nearest fragments of a pixel, as many as it has slots for: a chain of 64-bit minima (capture/insert_key.glsl).
-// A slot only ever gets smaller, and in the end they increase: a key may start behind any one that is smaller already.
+// Keeps the nearest fragments of a pixel, as many as it has slots for, by a chain of 64-bit minima
+// (capture/insert_key.glsl). Slots only get smaller, and they increase in the end, so a key may skip every
+// slot that is smaller already.
 void main() {
   const Place place = place_of(fragment_pixel());
   if (place.keys == 0u) return;

@@ -1,16 +1,17 @@
-// The tail of a place: sums in a slot, of three kinds, or in two.
+// The tail of a place: sums in one slot, of three kinds, or in two slots.
 #ifndef PLACE_TAIL_GLSL
 #define PLACE_TAIL_GLSL
 #include "capture/k_buffers/places.glsl"
 #include "capture/k_buffers/weighted_tail.glsl"
 const uint kTailBits = 16u;
 bool has_weights(Place place) { return kVariant == kMappedWithWeights && place.tail != kManyFragments; }
-// push.p1: of the most fragments that a pixel has.
+// push.p1 is the range for the deepest pixel.
 uint tail_range(Place place) { return kVariant == kMappedWithWeights ? push.p1 : place.tail; }
 float opacity_scale(Place place) { return tail_scale(kTailBits, tail_range(place) - kMostDepthBits); }
 float depth_scale(Place place) { return tail_scale(32u, tail_range(place)); }
 
-// Of each of its two slots with opacities as weights: red, green, blue, opacity; optical depth.
+// Returns the units of the first of two slots, if opacities are the weights: red, green, blue, opacity. The
+// second slot has the optical depth.
 uvec2 units_by_opacity(uint color, Place place, float rounding) {
   const float scale = opacity_scale(place);
   const uvec4 units = uvec4(floor(opacity_share(color) * scale + (scale >= 1.0 ? rounding : 0.0)));
@@ -20,7 +21,7 @@ uvec2 units_of_depth(uint color, Place place, float rounding) {
   return uvec2(tail_units(tail_share(color), depth_scale(place), rounding).w, 0u);
 }
 
-// What a fragment adds. `last`: depth of the last one that was kept.
+// Returns what a fragment adds to the tail. `last` is the depth of the last fragment that was kept.
 uvec2 units_in_place(Place place, uint color, float z, float last, float rounding) {
   const vec4 share = tail_share(color);
   if (has_weights(place)) return weighted_units(share, light_in_tail(z, last, place.tail), place.tail, rounding);
@@ -30,7 +31,8 @@ uvec2 units_in_place(Place place, uint color, float z, float last, float roundin
 
 vec4 four_sums(uvec2 sums) { return vec4(sums.x & 0xFFFFu, sums.x >> 16, sums.y & 0xFFFFu, sums.y >> 16); }
 
-// Premultiplied colour and transmittance. `depth`: the second slot, where there is one.
+// Returns the premultiplied colour and transmittance of the tail. `depth` is the second slot, if there is
+// one.
 vec4 layer_in_place(Place place, uvec2 slot, uvec2 depth) {
   const uvec2 sums = sums_in(slot);
   if (has_weights(place)) return weighted_layer(sums, place.tail);

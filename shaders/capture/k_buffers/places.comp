@@ -4,13 +4,14 @@
 #include "capture/k_buffers/place_map.glsl"
 #include "capture/k_buffers/survey.glsl"
 #include "capture/k_buffers/weighted_tail.glsl"
-// The place of every pixel (places.glsl), in the order of pixels.
+// Computes the place of every pixel (places.glsl), in the order of pixels.
 layout(local_size_x = 64) in;
 const uint kPlaceBits = 27u;
 shared uvec2 sums[64];
 
-// Of the tail, which takes one of the slots: its code where all optical depths of the pixel were summed up, else its
-// range; 0: there is none. Edges of wireframes were not looked at.
+// Returns what the map says of the tail, which takes one of the slots: its code if all optical depths of the
+// pixel were summed up, its range otherwise, and 0 without a tail. Edges of wireframes are not part of the
+// survey.
 uint tail_of(uint pixel, uint fragments, uint slots) {
   if (kK == kPrinted ? fragments == 0u : slots >= fragments) return 0u;
   const uint tail = max(fragments + 1u, slots + 1u) - slots;

@@ -1,24 +1,25 @@
-// Slots of 8 bytes in one pool (A): first the nearest fragments of a pixel, then, where there are more, their tail
-// (place_tail.glsl). A slot is two words, the lower one first: id and depth bits, and once the colour came, colour and
-// mark | depth bits; all bits are set where there is no fragment. Which slots: with kVariant 0 and 3 push.p0 for every
-// pixel, the last of them the tail (with 3, the last two); else those from a pixel's word in the map (B) to its successor's.
+// Slots of 8 bytes in one pool (A). A pixel has slots for its nearest fragments and, if it has more, one or
+// two for their tail (place_tail.glsl). A slot is two words, the lower one first: id and depth bits, and
+// later colour and mark | depth bits. In an empty slot all bits are set. With kVariant 0 and 3 every pixel
+// has push.p0 slots; the last one is the tail (with 3, the last two). Otherwise the slots of a pixel begin
+// where its word in the map (B) says, and end where those of the next pixel begin.
 #ifndef PLACES_GLSL
 #define PLACES_GLSL
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Map { uint map[]; };
 
 // kVariant: enum class Places of src/render/capture/k_buffers/tailed_buffer.h.
 const uint kUniformPlaces = 0u;
-const uint kMappedWithWeights = 2u;     // tails have colours that are weighted by light (weighted_tail.glsl)
-const uint kUniformWithOpacities = 3u;  // or by opacity
+const uint kMappedWithWeights = 2u;     // light weights the colours of tails (weighted_tail.glsl)
+const uint kUniformWithOpacities = 3u;  // opacity weights the colours of tails
 
-// A word of the map: the range of the tail (tail.glsl) or its code (weighted_tail.glsl), 0 where there is none, and the
-// first slot.
+// A word of the map has the first slot, and above it the range (tail.glsl) or code (weighted_tail.glsl) of
+// the tail, or 0 without a tail.
 const uint kPlaceBits = 27u;
 const uint kPlaceMask = (1u << kPlaceBits) - 1u;
 
 struct Place {
-  uint first, keys;  // slots of fragments
-  uint tail;         // 0: none; else its range or code, and it is behind them
+  uint first, keys;  // slots for fragments
+  uint tail;         // range or code of the tail, which follows them; 0: no tail
 };
 
 Place place_of(uint pixel) {
@@ -30,7 +31,7 @@ Place place_of(uint pixel) {
   return Place(first, (map[pixel + 1u] & kPlaceMask) - first - (range > 0u ? 1u : 0u), range);
 }
 
-// Depths in 0..1 leave the two top bits free. Of a slot without a fragment the depth is beyond all others.
+// Depths in 0..1 leave the two top bits free. The depth of an empty slot is greater than all others.
 const uint kHasColor = 0x80000000u;
 uint depth_of(uvec2 slot) { return slot.y & ~kHasColor; }
 bool is_empty(uvec2 slot) { return slot == uvec2(kNone); }

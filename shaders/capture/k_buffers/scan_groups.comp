@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "capture/k_buffers/place_map.glsl"
-// Sums of all groups before each, in place, and what the level left over. One workgroup.
+// Replaces the sums of every group by those of all groups before it, and computes what the level leaves over.
+// Runs as one workgroup.
 layout(local_size_x = 64) in;
 shared uvec2 totals[64];
 void main() {

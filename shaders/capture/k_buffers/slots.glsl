@@ -1,5 +1,5 @@
-// Slots of a place (places.glsl) while colours come: as 64 bits, or as words (HALVES), for devices without 64-bit
-// atomics.
+// Access to the slots of a place (places.glsl) while colours are stored: as 64 bits or, for devices without
+// 64-bit atomics, as words (HALVES).
 #ifndef SLOTS_GLSL
 #define SLOTS_GLSL
 #include "capture/k_buffers/places.glsl"
@@ -9,7 +9,8 @@ layout(std430, set = 0, binding = SLOT_A) coherent buffer Pool { uint words[]; }
 #define ORDER_WORDS memoryBarrierBuffer();
 #endif
 uint depth_at(uint i) { return words[2u * i + 1u] & ~kHasColor; }
-// A mark is there before its colour: who reads a colour and takes it for an id finds the mark beside it.
+// The mark is stored before its colour. Whoever reads a colour in place of an id therefore also finds the
+// mark.
 uvec2 slot_at(uint i) {
   const uint low = words[2u * i];
   ORDER_WORDS
@@ -20,7 +21,7 @@ void put_color(uint i, uint depth, uint color) {
   ORDER_WORDS
   atomicExchange(words[2u * i], color);
 }
-// Whoever makes the lower word run over carries it on, so the sum is that of 64 bits.
+// The invocation whose addition overflows the lower word adds the carry, so the result is a 64-bit sum.
 void add_to_slot(uint i, uvec2 units) {
   const uint before = atomicAdd(words[2u * i], units.x);
   const uint carried = units.y + (before + units.x < before ? 1u : 0u);
@@ -37,7 +38,7 @@ void put_color(uint i, uint depth, uint color) {
 void add_to_slot(uint i, uvec2 units) { atomicAdd(pool[i], packUint2x32(units)); }
 #endif
 
-// Of the fragments, which are sorted: the first that is not nearer.
+// Returns the first of the sorted fragments that is not nearer than `depth`.
 uint first_slot_at(Place place, uint depth) {
   uint begin = place.first;
   for (uint end = place.first + place.keys; begin < end;) {
@@ -48,7 +49,7 @@ uint first_slot_at(Place place, uint depth) {
   return begin;
 }
 
-// Which slot keeps a fragment, behind all of them: none does.
+// Returns the slot that keeps a fragment, or the end of the slots if none does.
 uint slot_of(Place place, uint depth, uint id) {
   const uint behind = place.first + place.keys;
   for (uint i = first_slot_at(place, depth); i < behind; ++i) {

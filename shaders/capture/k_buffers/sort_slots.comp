@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "capture/k_buffers/places.glsl"
-// Slots that were filled in no order (max_first.frag): sorted, nearest first, empty ones last.
+// Sorts slots that were filled in no order (max_first.frag): nearest first, empty ones last.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_A) buffer Pool { uint words[]; };
 #include "capture/k_buffers/max_heap.glsl"
@@ -19,7 +19,7 @@ void sort_few(uint first, uint count) {
   for (uint i = 0u; i < count; ++i) put_key(first + i, sorted[i]);
 }
 
-// The farthest of the heap goes behind what is left of it, again and again.
+// Repeatedly moves the farthest key of the heap behind the rest of the heap.
 void sort_heap(uint first, uint count) {
   for (uint left = count - 1u; left > 0u; --left) {
     const uvec2 farthest = key_at(first);

@@ -3,7 +3,8 @@
 #include "frame.glsl"
 #include "capture/k_buffers/place_map.glsl"
 #include "capture/k_buffers/survey.glsl"
-// Slots of each group of pixels, and how many of them the next higher level would give one more.
+// Sums up the slots of each group of pixels, and how many of its pixels would get one more at the next higher
+// level.
 layout(local_size_x = 64) in;
 shared uint slots, more;
 void main() {

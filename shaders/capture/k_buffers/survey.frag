@@ -4,7 +4,7 @@
 #include "scene/fragment_input.glsl"
 #include "capture/k_buffers/survey.glsl"
 #include "capture/k_buffers/tail.glsl"
-// The count pass. kVariant: terms of importance; it shades no more than they ask for.
+// The pass that counts fragments. kVariant has the terms of importance. It shades no more than they need.
 void main() {
   const uint pixel = fragment_pixel();
   if (!has_term(kDepthSurvey) && !has_term(kFresnelTerm)) {
@@ -20,8 +20,8 @@ void main() {
     depth_units = uint(kDepthUnits * rounded_depth(alpha) + 0.5);
   }
   add_to_survey(pixel, depth_units);
-  // Depth to 24 of its 30 bits, then how much the surface faces the eye; the least is kept, as its complement, since
-  // the survey begins with zeros.
+  // The upper 24 of the 30 bits of the depth, then how much the surface faces the eye. The least value is
+  // kept as the maximum of complements, because the survey begins with zeros.
   if (has_term(kFresnelTerm))
     atomicMax(survey[nearest_word(pixel)], ~(floatBitsToUint(gl_FragCoord.z) >> 6 << 8 | uint(255.0 * facing + 0.5)));
 }

@@ -1,11 +1,12 @@
-// A tail whose colours are weighted by the light that gets to them. What is in front of a fragment of the tail is not
-// known, but the pixel's optical depth is, from the survey: if it is evenly spread from the last fragment that was kept to
-// the far plane, a fragment at a share x of that way gets 2^-(x depth) of the light. Transmittance stays the product of
-// all. Five sums in a word: red, green, blue and weight of 13 bits, optical depth of 12.
+// A tail whose colours are weighted by the light that reaches them. What lies in front of a fragment of the
+// tail is not known, but the survey has the optical depth of the pixel. It is assumed to be evenly spread
+// from the last fragment that was kept to the far plane, so a fragment at the share x of that distance gets
+// 2^-(x depth) of the light. The transmittance is still the product of all. A slot holds five sums: red,
+// green, blue and weight with 13 bits each, and optical depth with 12.
 #ifndef WEIGHTED_TAIL_GLSL
 #define WEIGHTED_TAIL_GLSL
 
-// Sums of whole numbers in fields of 64 bits, which are two words, the lower one first.
+// Integer sums in fields of 64 bits, which are two words, the lower one first.
 uvec2 in_field(uint value, uint begin) {
   if (begin >= 32u) return uvec2(0u, value << (begin - 32u));
   return uvec2(value << begin, begin == 0u ? 0u : value >> (32u - begin));
@@ -15,16 +16,17 @@ uint field_of(uvec2 sums, uint begin, uint bits) {
   if (begin >= 32u) return sums.y >> (begin - 32u) & mask;
   return (sums.x >> begin | (begin == 0u ? 0u : sums.y << (32u - begin))) & mask;
 }
-// Sums begin at -1, as slots that nothing was put into do.
+// Sums begin at -1, because the bits of an empty slot are all set.
 uvec2 sums_in(uvec2 slot) { return uvec2(slot.x + 1u, slot.y + (slot.x == kNone ? 1u : 0u)); }
 
 #include "capture/k_buffers/tail.glsl"
 const uint kWeightBits = 13u;
 const uint kDepthBits = 12u;
 
-// Sums are below 2^(code / 2 - 2), a little more than the pixel's optical depth, so that 255 fragments may be rounded up.
+// Sums are below 2^(code / 2 - 2). That is a little more than the optical depth of the pixel, so that 255
+// fragments may be rounded up.
 const uint kLastCode = 30u;
-const uint kManyFragments = 31u;  // or too great a depth: a tail without weights
+const uint kManyFragments = 31u;  // a tail without weights, also if the optical depth is too large
 float bound_of(uint code) { return exp2(0.5 * float(code) - 2.0); }
 uint code_of(float depth, uint fragments) {
   const float bound = depth * (16.0 / 15.0);
@@ -32,10 +34,11 @@ uint code_of(float depth, uint fragments) {
   return uint(clamp(ceil(2.0 * log2(bound) + 4.0), 1.0, float(kLastCode)));
 }
 
-// `last`: depth of the last fragment that was kept, 0 where there is none.
+// Returns the light that reaches a fragment of the tail. `last` is the depth of the last fragment that was
+// kept, or 0 if there is none.
 float light_in_tail(float z, float last, uint code) {
-  const float kShareOfBound = 0.8;  // that the depth of the tail is, on average
-  const float kMostExponent = 4.0;  // sums keep enough bits
+  const float kShareOfBound = 0.8;  // optical depth of the tail, on average, as a share of its bound
+  const float kMostExponent = 4.0;  // so that sums keep enough bits
   const float begin = view_distance(last);
   const float way = view_distance(1.0) - begin;
   const float share = way > 0.0 ? clamp((view_distance(z) - begin) / way, 0.0, 1.0) : 0.0;
@@ -50,7 +53,7 @@ uvec2 weighted_units(vec4 share, float light, uint code, float rounding) {
          in_field(depth, 52u);
 }
 
-// Premultiplied colour and transmittance of a layer. `sums`: of weighted_units().
+// Returns the premultiplied colour and transmittance of a layer. `sums` are those of weighted_units().
 vec4 weighted_layer(uvec2 sums, uint code) {
   const vec3 color = vec3(field_of(sums, 0u, 13u), field_of(sums, 13u, 13u), field_of(sums, 26u, 13u));
   const float depth = float(field_of(sums, 52u, 12u)) * bound_of(code) / exp2(float(kDepthBits));

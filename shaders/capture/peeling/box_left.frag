@@ -1,9 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
-// Far side of the box of a group of triangles (src/render/culling.h): does the box, at this pixel, reach into the
-// depths that are not peeled? With the depth test (IMAGE_1: the last layer) these are all from that layer on, for
-// coplanar fragments may be left there; without it (SEARCH, A) those from the near to the far end at hand.
+// Draws the far side of the box of a group of triangles (src/render/scene/culling.h) and discards the samples
+// in which the box does not reach into the depths that are still to be peeled. With the depth test (IMAGE_1
+// is the last layer) these are all depths from that layer on, because coplanar fragments may be left in it.
+// Without the depth test (SEARCH, A) they are the depths from the current near end to the current far end.
 layout(location = 0) in vec3 world_position;
 #if defined(SEARCH)
 #include "capture/peeling/layers.glsl"
@@ -12,7 +13,8 @@ struct Box {
 };
 layout(std430, set = 0, binding = SLOT_E) readonly buffer Boxes { Box boxes[]; };
 
-// Where the ray through this fragment enters the box, as a key; 0 where that is behind the eye.
+// Returns the key of the depth at which the ray through this fragment enters the box, or 0 if that is behind
+// the eye.
 uint entry_key() {
   const Box box = boxes[push.p0];
   const bool perspective = frame.eye.w != 0.0;

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 #include "resolve/effects.glsl"
-// After the last round of peeling: what came from both ends becomes one, and a image.
+// Runs after the last round of peeling. Merges what came from both ends, and writes the image.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_FINAL_COLORS) writeonly buffer FinalColors { vec4 final_colors[]; };
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) readonly buffer FrontStates { State front_states[]; };

@@ -8,8 +8,9 @@
 #include "resolve/effects.glsl"
 #include "capture/peeling/layers.glsl"
 
-// What a round delivered at an end of a pixel, in order: see layers.glsl. next_delivered() gives
-// the one behind (at the far end: in front of) the `count` it gave so far, the last of them `last`.
+// Reads what a round delivered at an end of a pixel, in order (layers.glsl). next_delivered() has given
+// `count` fragments so far, the last of them with the id `last`. It gives the next one behind them or, at the
+// far end, in front of them.
 #if defined(IMAGE)
 layout(set = 0, binding = SLOT_IMAGE_2) uniform utexture2D found;
 bool next_delivered(uint end, ivec2 pixel, bool far, uint count, uint last, inout Fragment f) {
@@ -29,8 +30,9 @@ bool next_delivered(uint end, ivec2 pixel, bool far, uint count, uint last, inou
   return node != kEmpty;
 }
 #elif defined(LISTS) || defined(ARRAYS)
-// Groups at one depth are short: the next one is searched for among all. A driver may end all loops of an
-// invocation after a number of turns: push.p0 says how many there may be, and what is not reached is counted.
+// Groups at one depth are short, so the next fragment is searched for among all of them. A driver may end all
+// loops of an invocation after a number of turns. push.p0 is the number of allowed turns, and fragments that
+// are not reached are counted.
 uint turns = 0u;
 uint group_length = 0u;
 
@@ -70,23 +72,23 @@ bool next_delivered(uint end, ivec2 pixel, bool far, uint count, uint last, inou
 #endif
 
 #include "resolve/tally.glsl"
-// After a round of peeling: fold what it delivered into the states of each pixel, empty its storage for the
-// next round, and with SEARCH go on to the layers that it found.
+// Runs after a round of peeling. Folds what it delivered into the state of each pixel, empties its storage
+// for the next round and, with SEARCH, moves on to the layers that it found.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, set = 0, binding = SLOT_STATE_FRONT) buffer FrontStates { State front_states[]; };
 #if SIDES == 2
 layout(std430, set = 0, binding = SLOT_STATE_BACK) buffer BackStates { State back_states[]; };
 #endif
 #if defined(PAIRS)
-// Of layers that take several rounds: at the near end the largest ids so far, which are behind those to come;
-// at the far end the smallest ones.
+// Effect states of layers that take several rounds. At the near end they hold the largest ids so far, which
+// lie behind those to come, at the far end the smallest ones.
 layout(std430, set = 0, binding = SLOT_STATE_GROUP) buffer FrontGroups { State front_groups[]; };
 #if SIDES == 2
 layout(std430, set = 0, binding = SLOT_STATE_BACK_GROUP) buffer BackGroups { State back_groups[]; };
 #endif
 #endif
 #if !defined(IMAGE)
-// Coplanar fragments so far.
+// Numbers of coplanar fragments so far.
 layout(std430, set = 0, binding = SLOT_D) buffer Coplanar { uint coplanar_before[]; };
 #endif
 #if !defined(SEARCH)
@@ -122,8 +124,8 @@ void fold_front_pair(uint pixel, Fragment first, Fragment last, bool two, bool m
 }
 
 #if SIDES == 2
-// Effects that do not blend get the smallest id of a layer last, as they would if they came from the far end
-// one by one: the place of their group keeps it till then.
+// Effects that do not blend get the smallest id of a layer last, as if the fragments came one by one from the
+// far end. The state of the group keeps it until then.
 void fold_back_pair(uint pixel, Fragment first, Fragment last, bool two, bool begins, bool more) {
   State s = back_states[pixel];
   State group = back_groups[pixel];
@@ -241,7 +243,7 @@ bool fold_pixel(uint pixel, ivec2 at) {
   if (far.x != 0u) {
     const bool more = far.x != kNone && fold(pixel, at, far_end(pixel), kFar, depth_of(far.x));
     if (!more) far.x = far.y;
-    // The last layer of all belongs to the near end.
+    // If both ends are in one layer, it belongs to the near end.
     if (far.x == near.x) far.x = 0u;
     depths[far_end(pixel)] = uvec2(far.x, 0u);
   }

@@ -1,11 +1,11 @@
-// What a round of peeling finds in the layer at hand of a pixel: at its near end, and with SIDES 2 at its far
-// end, too.
+// What a round of peeling finds in the current layer of a pixel, at its near end and, with SIDES 2, at its
+// far end, too:
 //   PAIRS   the smallest and the largest id, and how many there are
-//   LISTS   all
-//   ARRAYS  the kK drawn first
-//   CHAINS  the first kK, that is those of the smallest ids, at the far end of the largest
-//   IMAGE   one, in a colour attachment: peel_image.frag
-// Everything starts as zero, but heads and chains as kNone.
+//   LISTS   all fragments
+//   ARRAYS  the kK fragments that are drawn first
+//   CHAINS  the kK smallest ids; at the far end, the kK largest
+//   IMAGE   one fragment, in a colour attachment (peel_image.frag)
+// Everything starts as zero, except heads and chains, which start as kNone.
 #ifndef LAYERS_GLSL
 #define LAYERS_GLSL
 #ifndef SIDES
@@ -14,18 +14,18 @@
 uint near_end(uint pixel) { return SIDES * pixel; }
 uint far_end(uint pixel) { return SIDES * pixel + 1u; }
 
-// Without depth test: where the layers lie. Keys of depths are their bits + 1, so that 0 is in front of all
-// of them and kNone behind. Of each end: the layer at hand; the next one, at the near end as its complement,
-// so that both start as 0 and take the maximum.
+// Where the layers lie, if there is no depth test. The key of a depth is its bits + 1, so that 0 lies in
+// front of all depths and kNone behind them. For each end, x is the current layer and y is the next one. At
+// the near end y is complemented, so that both start as 0 and take the maximum.
 #if defined(SEARCH)
 layout(std430, set = 0, binding = SLOT_A) buffer Depths { uvec2 depths[]; };
 uint key_of(float z) { return floatBitsToUint(z) + 1u; }
 float depth_of(uint key) { return uintBitsToFloat(key - 1u); }
 #endif
 
-// Layers of more fragments than a round can take are resumed by the next: which ids were taken. PAIRS: the
-// smallest ids up to x, the largest down to y. CHAINS: all up to x, at the far end down to it; y: there are
-// more. x is 0 when a layer begins.
+// If a layer has more fragments than a round can take, the next round resumes it. These windows say which ids
+// were taken. PAIRS: the smallest ids up to x and the largest down to y. CHAINS: all ids up to x, at the far
+// end down to x; y says whether there are more. x is 0 at the beginning of a layer.
 #if defined(PAIRS) || defined(CHAINS)
 layout(std430, set = 0, binding = SLOT_B) buffer Windows { uvec2 windows[]; };
 #endif
@@ -35,10 +35,10 @@ struct Pair {
 };
 layout(std430, set = 0, binding = SLOT_C) buffer Pairs { Pair pairs[]; };
 #elif defined(CHAINS)
-// An id, or its complement at the far end, above a colour.
+// An id (at the far end its complement) in the upper word and a colour in the lower word.
 layout(std430, set = 0, binding = SLOT_C) buffer Chains { uint64_t chains[]; };
 const uint64_t kEmpty = ~uint64_t(0);
-// Is a layer resumed (kb), or do its other fragments get lost (classic dual peeling)?
+// Returns whether a layer is resumed, or its other fragments are lost (classic dual peeling).
 bool resumes() { return kVariant != 0u; }
 #elif defined(LISTS)
 layout(std430, set = 0, binding = SLOT_B) buffer Heads { uint heads[]; };

@@ -3,8 +3,8 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #include "capture/peeling/peeled.glsl"
-// Front to back, first pass: the depth test finds the next layer. With RESUMES it stays at the last one where
-// that has fragments left (B: see layers.glsl).
+// Front to back, first pass: the depth test finds the next layer. With RESUMES it finds the last layer again
+// if that has fragments left (B of layers.glsl).
 #if defined(RESUMES)
 layout(std430, set = 0, binding = SLOT_B) readonly buffer Windows { uvec2 windows[]; };
 #endif

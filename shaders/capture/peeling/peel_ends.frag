@@ -9,8 +9,8 @@
 #include "counters.glsl"
 #include "capture/peeling/layers.glsl"
 #include "capture/peeling/store_layer.glsl"
-// Peeling without depth test: store what lies in the layers at hand, and find the next ones between them. The
-// first round has no layers yet: all lies between.
+// Peeling without the depth test: stores the fragments in the current layers, and finds the next layers
+// between them. The first round has no current layers, so everything lies between them.
 void main() {
   const uint pixel = fragment_pixel();
   const uint key = key_of(gl_FragCoord.z);

@@ -10,8 +10,8 @@
 #include "capture/peeling/layers.glsl"
 #include "capture/peeling/store_layer.glsl"
 #include "capture/peeling/peeled.glsl"
-// Front to back, second pass: only fragments in the layer at hand pass the depth test. Where there is none,
-// those at depth 1 do: they are no news.
+// Front to back, second pass: only fragments in the current layer pass the depth test. If there is no such
+// layer, fragments at depth 1 pass, but they are peeled already.
 layout(early_fragment_tests) in;
 void main() {
   const uint end = near_end(fragment_pixel());

@@ -3,7 +3,7 @@
 #include "frame.glsl"
 #include "scene/fragment_input.glsl"
 #include "capture/peeling/peeled.glsl"
-// Front to back, one fragment of the next layer: (id, colour). Which one is up to the depth test.
+// Front to back, one fragment (id, colour) of the next layer. The depth test decides which one.
 layout(location = 0) out uvec2 found;
 void main() {
   found = uvec2(fragment_id(), fragment_color());

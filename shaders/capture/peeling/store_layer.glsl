@@ -1,6 +1,8 @@
-// store(): this fragment lies in the layer at hand, at an end of its pixel. Storage as in layers.glsl.
+// store() stores this fragment, which lies in the current layer at an end of its pixel, as layers.glsl
+// describes.
 #if defined(PAIRS)
-// kVariant: 0: first pass, which ids are there; 1: second pass, their colours.
+// With kVariant 0, the first pass, it finds the ids. With kVariant 1, the second pass, it stores their
+// colours.
 void store(uint end, bool far) {
   const uint id = fragment_id();
   if (kVariant != 0u) {
@@ -15,7 +17,7 @@ void store(uint end, bool far) {
   atomicAdd(pairs[end].count, 1u);
 }
 #elif defined(CHAINS)
-// Insertion without a lock: each place keeps the smaller one and the larger one goes on, whoever else does
+// Inserts without a lock: each place keeps the smaller value and passes on the larger one. All invocations do
 // the same.
 void store(uint end, bool far) {
   const uint id = fragment_id();
@@ -32,8 +34,8 @@ void store(uint end, bool far) {
   if (resumes()) atomicMax(windows[end].y, 1u);
 }
 #elif defined(LISTS)
-// Both ends take their nodes from one counter: two that run towards each other cannot tell for sure when they
-// meet.
+// Both ends take their nodes from one counter. With two counters that run towards each other, it would not be
+// certain when they meet.
 void store(uint end, bool far) {
   const uint node = atomicAdd(counters.next_node, 1u);
   if (node >= frame.capacity) {

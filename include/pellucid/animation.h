@@ -1,7 +1,7 @@
-// pellucid/animation.h - module `asset`: what moves a glTF model.
+// pellucid/animation.h - module `asset`: reads what moves a glTF model.
 //
 // In: a model that read_model() returned. Out: its nodes, skins, morph targets and key frames as plain data.
-// They are read on demand, so that ordering static meshes does not pay for them. The module `scene`
+// They are read only on demand, so ordering static meshes does not pay for them. The module `scene`
 // (pellucid/scene.h) poses the model. Format: glTF 2.0, sections 3.5, 3.7 and 3.11.
 #pragma once
 
@@ -15,8 +15,8 @@
 
 namespace pellucid {
 
-// The transform of a node relative to its parent: it is scaled, then rotated (quaternion x, y, z, w), then
-// translated. A matrix replaces the three where there is one.
+// The transform of a node relative to its parent: scale, then rotation (quaternion x, y, z, w), then
+// translation. If there is a matrix, it replaces the three.
 struct NodeTransform {
   Vec3d translation;
   std::array<double, 4> rotation{0, 0, 0, 1};
@@ -33,11 +33,11 @@ struct RigNode {
 };
 
 struct RigSkin {
-  std::vector<std::uint32_t> joints;  // node of each; at least one
+  std::vector<std::uint32_t> joints;  // the node of each joint; at least one joint
   std::vector<Mat4> inverse_bind;     // one per joint
 };
 
-// The joints that a vertex follows, as indices into RigSkin::joints. The heaviest comes first; entries
+// The joints that a vertex follows, as indices into RigSkin::joints. The heaviest comes first. Entries
 // without weight come last and name joint 0. The weights sum up to 1.
 constexpr std::size_t kJointsOfVertex = 8;
 struct VertexJoints {
@@ -45,14 +45,14 @@ struct VertexJoints {
   std::array<float, kJointsOfVertex> weights{};
   bool operator==(const VertexJoints&) const = default;
 };
-// Returns eight pairs of joint and weight in that form. Weights must not be negative. Where all are 0, the
+// Returns eight pairs of joint and weight in that form. Weights must not be negative. If all are 0, the
 // vertex follows joint 0.
 VertexJoints normalized(VertexJoints joints);
 
-// What deforms Model::primitives[i]. Both lists are empty where the primitive is rigid.
+// What deforms Model::primitives[i]. Both lists are empty for a rigid primitive.
 struct RigPrimitive {
   std::vector<VertexJoints> joints;         // one per vertex; empty: not skinned
-  std::vector<std::vector<Vec3f>> targets;  // how far each morph target moves each vertex; empty: not at all
+  std::vector<std::vector<Vec3f>> targets;  // per morph target: the displacement of every vertex; empty: none
 };
 
 enum class Interpolation { linear, step, cubic_spline };
@@ -60,9 +60,10 @@ enum class Interpolation { linear, step, cubic_spline };
 // A value over time. Linear rotations are interpolated on the sphere, along the shorter arc.
 struct AnimationCurve {
   Interpolation interpolation = Interpolation::linear;
-  std::uint32_t width = 0;    // numbers per value: 3, 4, or the number of morph targets
-  std::vector<float> times;   // seconds, >= 0, increasing; at least one
-  std::vector<float> values;  // width numbers per time; cubic splines: in-tangent, value and out-tangent
+  std::uint32_t width = 0;   // numbers per value: 3, 4, or the number of morph targets
+  std::vector<float> times;  // seconds, >= 0, increasing; at least one
+  std::vector<float>
+      values;  // width numbers per time; 3 * width for cubic splines: in-tangent, value, out-tangent
 };
 
 enum class AnimatedPath { translation, rotation, scale, weights };
@@ -87,10 +88,10 @@ struct Rig {
   std::vector<RigAnimation> animations;
 };
 
-// Reads everything that moves `model`. For other formats than glTF, all primitives are rigid and nothing else
-// is set. Channels that move no node (KHR_animation_pointer), morph weights of nodes without morph targets,
-// and joints of a vertex beyond the eighth are left out. Throws Error{bad_input} naming the file and the
-// place, and Error{bad_argument} where a primitive that deforms was split after it was read.
+// Reads everything that moves `model`. For formats other than glTF all primitives are rigid, and nothing else
+// is set. Leaves out channels that move no node (KHR_animation_pointer), morph weights of nodes without morph
+// targets, and joints of a vertex beyond the eighth. Throws Error{bad_input} that names the file and the
+// place, and Error{bad_argument} if a primitive that deforms was split after it was read.
 Rig read_rig(const Model& model, const ReadOptions& options = {});
 
 }  // namespace pellucid

@@ -3,8 +3,10 @@
 // In: glTF/GLB, PLY, OBJ, STL and OFF files. Out: glTF/GLB files with the extension
 // PELLUCID_mesh_primitive_view_orders (docs/file-format.md, docs/schema/). A glTF that is read and written
 // again loses nothing, because its JSON is changed in place: what pellucid does not understand stays as it
-// was. Right-handed coordinates, +y up, metres, counter-clockwise front faces (glTF 2.0, section 3.4); the
-// other formats are taken as they are.
+// was.
+//
+// Conventions: coordinates are right-handed, with +y up, in metres, and front faces are counter-clockwise
+// (glTF 2.0, section 3.4). Coordinates of other formats are taken as they are.
 #pragma once
 
 #include <array>
@@ -23,33 +25,34 @@ namespace pellucid {
 
 enum class AlphaMode { opaque, mask, blend };
 
-// Error statistics that are stored with an order set. They are informative.
+// Error statistics that are stored with an order set: means and maxima over held-out viewpoints. They are
+// informative.
 struct OrderErrorRecord {
-  std::uint32_t viewpoints = 0;
-  std::uint32_t size = 0;
-  double ipr_mean = 0, ipr_max = 0, psnr_mean = 0;
+  std::uint32_t viewpoints = 0;                     // their number
+  std::uint32_t size = 0;                           // pixels per side of the images
+  double ipr_mean = 0, ipr_max = 0, psnr_mean = 0;  // shares of covered pixels; dB
   struct ByDistance {
-    double distance = 0, ipr = 0;
+    double distance = 0, ipr = 0;  // bounding radii; mean share of covered pixels
   };
   std::vector<ByDistance> by_distance;
 };
 
-// One drawable primitive. Each is ordered by itself.
+// One drawable primitive. Each primitive is ordered by itself.
 struct Primitive {
-  std::string name;  // mesh name, with "#k" for its k-th primitive where it has several
+  std::string name;  // name of the mesh, with "#k" for its k-th primitive if it has several
   // glTF: meshes[mesh_index].primitives[primitive_index]. Other formats: 0 and the number of the primitive.
   std::uint32_t mesh_index = 0;
   std::uint32_t primitive_index = 0;
-  Mesh mesh;                 // triangles after decoding strips, fans, polygons; in file order; not cleaned
-  bool triangles = true;     // false: points or lines, nothing to order
+  Mesh mesh;                 // strips, fans and polygons as triangles, in file order; not cleaned
+  bool triangles = true;     // false: points or lines, which cannot be ordered
   bool double_sided = true;  // glTF: the material's flag; other formats: true
   bool deforms = false;      // skinned or morphed: orders of the static mesh are not valid
   AlphaMode alpha_mode = AlphaMode::blend;  // other formats: blend
   std::array<float, 4> base_color{1, 1, 1, 1};
   std::string material_name;
-  bool has_material = false;  // the file defines its look: any glTF, and OBJ with a material that was found
-  // Set where the mesh was split after it was read (pellucid/split.h): its last vertices are these, and its
-  // triangles are the pieces. write_model() interpolates the attributes that are only in the document.
+  bool has_material = false;  // the file says how it looks: any glTF, and OBJ with a material that was found
+  // Set if the mesh was split after it was read (pellucid/split.h). Its last vertices are these, and its
+  // triangles are the pieces. write_model() interpolates the attributes that only the document has.
   std::optional<std::vector<SplitVertex>> new_vertices;
   std::optional<OrderSet> orders;  // from the extension, checked; nodes refer to mesh.triangles
   std::optional<OrderErrorRecord> order_error;
@@ -80,13 +83,14 @@ inline bool is_gltf(const Model& model) {
 }
 
 struct ReadOptions {
-  // A file that asks for more vertices or triangles than this is refused before anything is allocated for
-  // them.
+  // The largest number of vertices or triangles. A file that declares more is refused before memory is
+  // allocated for them.
   std::uint64_t max_elements = 1ULL << 28U;
 };
-// Reads a model file. Formats that name themselves in their first bytes (glTF, GLB, PLY) are recognised by
-// these, others by the file's extension. Takes time and memory proportional to the size of the file. Throws
-// Error{bad_input} naming the file, the reason and, where it helps, the place (line, byte, accessor).
+// Reads a model file. Formats that identify themselves in their first bytes (glTF, GLB, PLY) are recognised
+// by these, others by the extension of the file name. Takes time and memory proportional to the size of the
+// file. Throws Error{bad_input} that names the file, the reason and, where it helps, the place (line, byte,
+// accessor).
 Model read_model(const std::string& path, const ReadOptions& options = {});
 
 // How the orders are stored.
@@ -94,8 +98,8 @@ enum class OrderEncoding {
   indices,  // plain index accessors, 16-bit where the vertex count allows
   patches,  // permutations of patch (here: triangle) ids, a third of the size
   // The same, compressed by EXT_meshopt_compression. Files that do not require that extension must also hold
-  // an uncompressed copy. It goes to OUT.orders-fallback.bin, which no viewer that knows the extension
-  // fetches.
+  // an uncompressed copy. The copy goes to OUT.orders-fallback.bin, which viewers that know the extension do
+  // not fetch.
   meshopt,
 };
 
@@ -108,57 +112,60 @@ struct OrderedPrimitive {
 struct WriteOptions {
   OrderEncoding encoding = OrderEncoding::indices;
   SortDirection direction = SortDirection::front_to_back;
-  bool split_buffer =
-      false;              // orders go to OUT.orders.bin, which viewers that do not know orders never fetch
+  // Stores the orders in OUT.orders.bin, which viewers that do not know orders never fetch.
+  bool split_buffer = false;
   bool bake_base = true;  // primitive.indices becomes the best single order
 };
 struct WriteReport {
   std::uint64_t file_bytes = 0;   // all files written
-  std::uint64_t order_bytes = 0;  // of these, for orders and their table, as stored (without a fallback copy)
+  std::uint64_t order_bytes = 0;  // those of the orders and their table as stored, without a fallback copy
   std::vector<std::string> files;
 };
-// Writes `model` with the given orders as .glb or .gltf (by the extension of `path`). Models of other formats
-// get a minimal document of their own. The file holds exactly the given orders: those that `model` came with
-// and that are not given again are removed, so that an empty list removes all. Triangles that `base_sequence`
-// leaves out follow at its end. Primitives that were split get accessors of their own. Each file is written
-// completely or not at all. The same input gives the same bytes. Throws Error{cannot_write},
-// Error{bad_argument} where the orders do not fit the model, and Error{nothing_to_do} for a model without
-// geometry.
+// Writes `model` with the given orders as .glb or .gltf, by the extension of `path`. Models of other formats
+// get a minimal document of their own. The file holds exactly the given orders. Orders that came with `model`
+// and are not given again are removed, so an empty list removes all. The base order in the file is
+// `base_sequence`, followed by the triangles that it leaves out. Primitives that were split get accessors of
+// their own. Each file is written completely or not at all. The same input gives the same bytes. Throws
+// Error{cannot_write}, Error{bad_argument} if the orders do not fit the model, and Error{nothing_to_do} for a
+// model without geometry.
 WriteReport write_model(const Model& model, const std::vector<OrderedPrimitive>& ordered,
                         const std::string& path, const WriteOptions& options = {});
 
 // Makes a model of meshes that a program has made (samples, tests), with one glTF mesh and one node per part.
 Model make_model(const std::vector<SamplePart>& parts, const std::string& name);
 
-// Returns whether the triangles of a primitive may differ from those of its file. They may not where it has
-// an extension that may refer to triangles by number.
+// Returns whether the triangles of a primitive may differ from those of its file. They may not if it has an
+// extension that may refer to triangles by number.
 bool triangles_may_change(const Model& model, std::uint32_t primitive);
 
-// Returns the bytes that the index data of an order set takes in memory when it is drawn: 2 or 4 bytes an
-// index.
+// Returns the bytes that the index data of an order set takes in memory when it is drawn, with 2 or 4 bytes
+// per index.
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh);
 
-// Cameras. Format: glTF 2.0, section 3.10.
+// ----------------------------------------------------------------------------------------------------
+// cameras
 
-// A camera looks along its own -z; +y is up.
+// A camera of a glTF (glTF 2.0, section 3.10). It looks along its own -z, and +y is up.
 struct ModelCamera {
-  std::string name;  // of the camera or, where it has none, of its node
+  std::string name;  // of the camera or, if it has none, of its node
   Mat4 world;        // camera to world, as the default scene places it at rest
   bool perspective = true;
-  double half_height =
-      1;  // perspective: tangent of half the vertical angle; else half the image's height in world units
+  // Perspective: tangent of half the vertical angle. Orthographic: half the height of the image, world units.
+  double half_height = 1;
 };
 
-// Returns the cameras of the default scene in the order of its nodes; none for other formats than glTF.
-// Throws Error{bad_input} naming the file and the place.
+// Returns the cameras of the default scene in the order of its nodes, and none for formats other than glTF.
+// Throws Error{bad_input} that names the file and the place.
 std::vector<ModelCamera> read_cameras(const Model& model);
 
-// Image files. pellucid/material.h reads them.
+// ------------------------------------------------------------------------------------------------ image
+// files
 
-// Returns `image` as an 8-bit RGB PNG file in memory. The same image gives the same bytes. Throws
-// Error{bad_argument} where the image is empty or its size does not fit its bytes.
+// Returns `image` as an 8-bit RGB PNG file in memory; pellucid/material.h reads image files. The same image
+// gives the same bytes. Throws Error{bad_argument} if the image is empty or its size does not fit its bytes.
 std::vector<std::uint8_t> encode_png(const Image& image);
-// Writes the same bytes to a file, completely or not at all. Throws Error{bad_argument | cannot_write}.
+// Writes the same bytes to a file, completely or not at all. Throws Error{bad_argument} as above, and
+// Error{cannot_write}.
 void write_png(const Image& image, const std::string& path);
 
 }  // namespace pellucid

@@ -1,8 +1,8 @@
-// pellucid/compare_report.h - module `report`: capture techniques side by side, as a table, JSON and a page.
+// pellucid/compare_report.h - module `report`: compares capture techniques, as a table, JSON and a page.
 //
-// In: what every technique captured of a scene, its time and its image; the same over a parameter that is
-// swept. Out: text and heat maps. The keys of the JSON are a contract (docs/json.md,
-// docs/schema/compare.schema.json). Paper: Vasilakis, Fudos, "Depth-Fighting Aware Methods for
+// In: what every technique captured of a scene, its time and its image, also over a range of a parameter (a
+// sweep). Out: text and heat maps. The keys of the JSON are a contract (docs/json.md,
+// docs/schema/compare.schema.json). Based on: Vasilakis, Fudos, "Depth-Fighting Aware Methods for
 // Multi-Fragment Rendering", TVCG 2014, section 4: Table 1, figures 7 to 9 and 11.
 #pragma once
 
@@ -21,8 +21,8 @@ namespace pellucid {
 
 // ----------------------------------------------------------------------------------------------- heat maps
 
-// A value of every pixel as colours: white for zero, the darkest colour for the largest value, in the colours
-// of overdraw (overdraw_report.h). Of several samples per pixel the first is shown.
+// A value of every pixel as a heat map, in the colours of overdraw (overdraw_report.h): white for zero, the
+// darkest colour for the largest value. Of several samples per pixel, the first is shown.
 struct NamedMap {
   std::string name;     // "importance", "k", "loss", "fragments", "coplanar"
   std::string caption;  // says what the darkest colour stands for
@@ -30,9 +30,10 @@ struct NamedMap {
   std::string words, unit;  // "fragments lost to the tail", "fragments"
   double most = 0;          // what the darkest colour stands for
 };
-// Returns importance, k and loss of a result drawn with BudgetOptions::maps; nothing without maps.
+// Returns heat maps of importance, k and loss of a result that was drawn with BudgetOptions::maps; nothing
+// without maps.
 std::vector<NamedMap> budget_heat_maps(const RenderResult& result, std::uint32_t samples);
-// Returns the number of fragments, and of fragments that share their depth with another one, of a result
+// Returns heat maps of the number of fragments, and of the number of coplanar fragments, of a result that was
 // drawn with RenderOptions::keep_fragments; nothing without fragments.
 std::vector<NamedMap> fragment_heat_maps(const RenderResult& result, std::uint32_t samples);
 
@@ -48,14 +49,15 @@ struct ReportMap {
 struct ComparedTechnique {
   std::string name, title;
   bool exact = false;   // the technique promises to capture every fragment
-  std::string failure;  // why the technique could not be drawn; empty: it was drawn
+  std::string failure;  // why the technique could not draw; empty: it did
   CaptureStats stats;   // milliseconds: the median of the frames
   std::optional<ImageError> error;
-  // What it drew, and the difference from the exact image. Empty where no pixel differs by more than 1/255.
+  // The image, and its difference from the exact image. The difference is left out if no pixel differs by
+  // more than 1/255.
   std::vector<ReportImage> images;
   PerceivedError perceived{};
-  std::optional<double> flicker{};  // over the frames of ComparedScene::flicker_frames
-  std::vector<ReportMap> maps{};    // of techniques with a memory budget
+  std::optional<double> flicker{};  // over ComparedScene::flicker_frames frames
+  std::vector<ReportMap> maps{};    // for techniques with a memory budget
 
   [[nodiscard]] bool drawn() const { return failure.empty(); }
   // Returns whether no pixel differs by more than 1/255 from the exact image.
@@ -73,19 +75,19 @@ struct ComparedScene {
   std::vector<std::uint64_t> pixels_by_depth;  // [n]: pixels with n fragments
   std::vector<ComparedTechnique> techniques;
   std::vector<std::string> notes;
-  std::vector<ReportMap> maps{};  // fragments, and coplanar fragments, of every pixel, where there are any
+  std::vector<ReportMap> maps{};  // fragments and coplanar fragments of every pixel, if there are any
 
-  // Returns the paper's C_p: the share of covered pixels that have fragments at one depth.
+  // Returns C_p of the paper: the share of covered pixels that have several fragments at one depth.
   [[nodiscard]] double coplanar_share() const;
   // Returns the mean number of fragments of a covered pixel.
   [[nodiscard]] double mean_depth() const;
-  // Returns the fastest technique of those that promise to capture everything and did; null if there is none.
+  // Returns the fastest of the techniques that promise to capture everything and did; null if there is none.
   [[nodiscard]] const ComparedTechnique* fastest_exact() const;
-  // Returns the time of a technique divided by that of fastest_exact(); nothing where either was not drawn.
+  // Returns the time of a technique divided by that of fastest_exact(); nothing if either did not draw.
   [[nodiscard]] std::optional<double> time_ratio(const ComparedTechnique& technique) const;
 };
 
-// Returns "2" or "1-7"; "-" for techniques without slots for fragments.
+// Returns the slots per pixel as "2" or "1-7"; "-" for techniques without slots.
 std::string format_k_range(const CaptureStats& stats);
 
 // ------------------------------------------------------------------------------------------------- sweeps
@@ -106,7 +108,7 @@ struct SweepPoint {
   double value = 0;  // of the parameter
   std::uint32_t width = 0, height = 0;
   std::uint64_t pool = 0;                         // nodes; 0: as many as there are fragments
-  std::vector<std::optional<CaptureStats>> runs;  // one per technique; nothing if it failed
+  std::vector<std::optional<CaptureStats>> runs;  // one per technique; empty if it failed
 };
 struct ComparedSweep {
   SweepKind kind = SweepKind::resolution;
@@ -128,12 +130,12 @@ struct CompareReport {
   std::uint64_t peak_rss_bytes = 0;
 };
 
-// A technique over all scenes of a report.
+// The results of a technique over all scenes of a report.
 struct TechniqueSummary {
   std::string name;
   bool exact = false;  // the technique promises to capture every fragment
   std::uint32_t scenes = 0, drawn = 0;
-  std::uint32_t equal = 0;           // number of scenes drawn like the exact image
+  std::uint32_t equal = 0;           // number of scenes whose image equals the exact one
   std::optional<double> time_ratio;  // geometric mean over the scenes that have one
   std::optional<double> worst_psnr;
 };
@@ -142,19 +144,19 @@ std::vector<TechniqueSummary> summarize(const CompareReport& report);
 
 std::string to_text(const CompareReport& report);
 
-// An image or heat map of a report as a file of its own.
+// An image or heat map of a report, as a file of its own.
 struct ImageFile {
-  std::string path;                                // from the folder of the report: "images/NAME.png"
+  std::string path;                                // relative to the report: "images/NAME.png"
   const std::vector<std::uint8_t>* png = nullptr;  // points into the report
 };
 std::vector<ImageFile> image_files(const CompareReport& report);
 
-// Whether the keys "picture" and "difference" of the JSON name the files of image_files(), which then have to
-// be written beside it, or are null.
+// Whether the keys "picture" and "difference" of the JSON name the files of image_files(), which must then be
+// written beside it, or are null.
 enum class ImageLinks { none, beside };
 std::string to_json(const CompareReport& report, ImageLinks links = ImageLinks::none);
 
-// Returns one self-contained page. Its script lays any two images over each other; everything else works
+// Returns one self-contained page. Its script lays any two images over each other. Everything else works
 // without the script.
 std::string compare_html(const CompareReport& report);
 

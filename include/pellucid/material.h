@@ -1,8 +1,8 @@
-// pellucid/material.h - module `asset`: how the surfaces of a model look: colours, opacity, textures.
+// pellucid/material.h - module `asset`: reads how the surfaces of a model look: colours, opacity, textures.
 //
-// In: a model that read_model() returned. Out: plain data, which is read and decoded only when asked for, as
-// ordering a mesh does not need it. Format: glTF 2.0, sections 3.8 and 3.9, KHR_texture_transform; from OBJ
-// files diffuse colours and opacities, without textures.
+// In: a model that read_model() returned. Out: plain data. It is read and decoded only on demand, because
+// ordering a mesh does not need it. Format: glTF 2.0, sections 3.8 and 3.9, and KHR_texture_transform. OBJ
+// files give diffuse colours and opacities, without textures.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace pellucid {
 
-// A decoded image with opacity, such as a texture uses. Rows from the upper left, four bytes per texel: sRGB
-// colour and linear opacity, not premultiplied.
+// A decoded image with opacity, such as a texture uses. Rows begin at the upper left. A texel has four bytes:
+// sRGB colour and linear opacity, not premultiplied.
 struct RgbaImage {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
@@ -28,12 +28,12 @@ struct ModelTexture {
   TextureSampling sampling;
 };
 
-// How a primitive looks, beside Model::primitives[i].
+// How Model::primitives[i] looks.
 struct PrimitiveLook {
   bool known = false;  // the file says something about it
   AlphaMode alpha_mode = AlphaMode::blend;
-  std::array<float, 4> base_color{1, 1, 1, 1};  // linear; texture and vertex colours multiply it
-  float alpha_cutoff = 0.5F;                    // of AlphaMode::mask
+  std::array<float, 4> base_color{1, 1, 1, 1};  // linear; multiplied by texture and vertex colours
+  float alpha_cutoff = 0.5F;                    // for AlphaMode::mask
   std::optional<std::uint32_t> texture;         // index into Materials::textures
   std::vector<std::array<float, 2>> texcoords;  // one per vertex, transformed; empty without a texture
   std::vector<std::array<float, 4>> colors;     // one per vertex, linear; empty: all 1
@@ -50,12 +50,12 @@ struct MaterialOptions {
   std::uint64_t max_texels = 1ULL << 27U;  // of all images together
 };
 
-// Reads the materials of a model. Images that are missing or in another format than PNG and JPEG are left
-// out, with a note. Throws Error{bad_input} naming file and place where an image is damaged or too large, or
-// where an accessor is wrong; Error{bad_argument} where a primitive was split after it was read.
+// Reads the materials of a model. Images that are missing, or in a format other than PNG and JPEG, are left
+// out with a note. Throws Error{bad_input} that names the file and the place if an image is damaged or too
+// large, or an accessor is wrong. Throws Error{bad_argument} if a primitive was split after it was read.
 Materials read_materials(const Model& model, const MaterialOptions& options = {});
 
-// Reads a PNG or JPEG file. Throws Error{bad_input} where it is missing, damaged or of another format.
+// Reads a PNG or JPEG file. Throws Error{bad_input} if it is missing, damaged or of another format.
 RgbaImage read_image(const std::string& path);
 
 }  // namespace pellucid

@@ -1,9 +1,9 @@
-// pellucid/report.h - module `report`: tables, JSON, one HTML page and one SVG plot of what was ordered and
-// measured.
+// pellucid/report.h - module `report`: turns what was ordered and measured into tables, JSON, HTML pages and
+// SVG plots.
 //
 // In: order sets and the results of the modules `transparency`, `metric` and `baseline`. Out: text. Nothing
-// here draws, orders or measures. The keys of the JSON are a contract (docs/json.md). Overdraw orders have
-// their reports in overdraw_report.h, capture techniques in compare_report.h.
+// here draws, orders or measures. The keys of the JSON are a contract (docs/json.md). Reports of overdraw
+// orders are in overdraw_report.h, those of capture techniques in compare_report.h.
 #pragma once
 
 #include <array>
@@ -25,18 +25,19 @@
 
 namespace pellucid {
 
-// The version of the library, such as "0.1.0". Every report names it.
+// Returns the version of the library, such as "0.1.0". Every report names it.
 std::string_view library_version();
 
 // ---------------------------------------------------------------------------------------------- plain text
 
+// Return numbers with their units, as the comments show.
 std::string format_bytes(std::uint64_t bytes);       // 12.3 KB (1 KB = 1000 bytes)
 std::string format_seconds(double seconds);          // 0.042 s, 12.3 s, 4 min 05 s
 std::string format_nanoseconds(double time);         // 87 ns, 12.3 us, 4.56 ms
 std::string format_fixed(double value, int digits);  // "-" where the value is not finite
 std::string format_percent(double ratio);            // 0.0123 -> 1.23 %
 
-// Returns text that is safe as HTML content and in double-quoted attributes.
+// Returns the text in a form that is safe as HTML content and in double-quoted attributes.
 std::string escape_html(std::string_view text);
 
 // A table whose columns are as wide as their widest cell. The first column is aligned to the left, the others
@@ -44,7 +45,7 @@ std::string escape_html(std::string_view text);
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header);
-  // Adds a row, which is cut or filled up to as many cells as the header has.
+  // Adds a row, which is cut or filled up to the number of cells of the header.
   void add_row(std::vector<std::string> cells);
   [[nodiscard]] std::string to_string() const;
 
@@ -68,14 +69,14 @@ struct PrimitiveOrderReport {
   std::uint32_t primitive = 0;
   std::uint64_t triangles = 0;  // ordered
   std::uint64_t vertices = 0;
-  MeshReport check;        // of the input; degenerate and non-finite triangles were dropped
-  double acmr_before = 0;  // of the input's own order
+  MeshReport check;        // of the input; triangles that draw nothing were left out
+  double acmr_before = 0;  // of the order in the input
   std::vector<BufferStatistics> buffers;
   std::uint64_t memory_bytes = 0;  // index data when drawn
   OrderStatistics statistics;
-  std::optional<OrderErrorRecord> error;  // over held-out viewpoints, if the orders were validated
-  // Share of pixels, over the same viewpoints, that are wrong even in the best order found for each viewpoint
-  // alone. Negative: not measured.
+  std::optional<OrderErrorRecord> error;  // over held-out viewpoints, if it was measured
+  // Share of pixels, over the same viewpoints, that are wrong even in the best order found for each single
+  // viewpoint. Negative: not measured.
   double ipr_unavoidable = -1;
   std::optional<SplitReport> split;
 };
@@ -98,21 +99,21 @@ struct OrderReport {
   std::uint64_t peak_rss_bytes = 0;
 };
 std::string to_text(const OrderReport& report);
-// Returns one line: the output, its size, and the error of the primitive that has the largest.
+// Returns one line: the output, its size, and the largest error of its primitives.
 std::string to_line(const OrderReport& report);
 std::string to_json(const OrderReport& report);
 
-// Many files that were ordered in one call.
+// The results of many files that were ordered in one call.
 struct OrderFailure {
   std::string input, output;
-  int exit_code = 1;  // exit code for this file alone; with 5 the output was written nevertheless
+  int exit_code = 1;  // the exit code for this file alone; with 5 the output was written all the same
   std::string message;
 };
 struct OrderBatchReport {
   std::uint64_t inputs = 0;
   std::vector<OrderReport> results;  // of all files that were written
   std::vector<OrderFailure> failures;
-  std::vector<std::pair<std::string, std::string>> skipped;  // input, and output that existed already
+  std::vector<std::pair<std::string, std::string>> skipped;  // input, and the output that existed already
   bool interrupted = false;
   double seconds_total = 0;
   std::uint64_t peak_rss_bytes = 0;
@@ -140,11 +141,11 @@ struct FrontierReport {
   std::vector<PrimitiveFrontier> primitives;
 };
 std::string to_text(const FrontierReport& report);
-// Returns the same bytes for the same input, options and seed, as it contains no times
+// Returns JSON without times, so the same input, options and seed give the same bytes
 // (docs/schema/frontier.schema.json).
 std::string to_json(const FrontierReport& report);
 // Returns one plot per primitive: error (logarithmic) and PSNR over the number of buffers, with the target,
-// the number that was chosen and the knee. The SVG stands alone, follows the reader's light or dark scheme,
+// the chosen number and the knee. The SVG is self-contained, follows the light or dark scheme of the reader,
 // and has no script and no fonts.
 std::string frontier_svg(const FrontierReport& report);
 
@@ -171,14 +172,15 @@ struct ImageRow {
   std::vector<ReportImage> images;
 };
 struct HtmlReportInput {
-  std::string title;  // any text; it is escaped
+  std::string title;  // plain text, which is escaped
   const MeasureReport* measured = nullptr;
   std::size_t primitive = 0;         // the primitive that the images show
-  const OrderSet* orders = nullptr;  // of that primitive's first method
+  const OrderSet* orders = nullptr;  // of the first method of that primitive
   std::span<const ImageRow> rows;
   std::string command;  // the command that makes this page
 };
-// Returns one self-contained page: no script, no network, images as data URIs, plots as inline SVG.
+// Returns one self-contained page without scripts or network access. Images are data URIs, plots are inline
+// SVG.
 std::string html_report(const HtmlReportInput& input);
 
 // ---------------------------------------------------------------------------------------- pellucid inspect

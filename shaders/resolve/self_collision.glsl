@@ -13,7 +13,7 @@ void self_collision_close(inout State s) {
   const uint entered = s.word.y;
   const uint some = (entered | entered >> 1 | entered >> 2 | entered >> 3) & 0x11111111u;
   s.word.x += entered;
-  const uint twice = s.word.x >> 3 & (s.word.x >> 2 | s.word.x >> 1);  // lowest bit of a field: it is 10 or more
+  const uint twice = s.word.x >> 3 & (s.word.x >> 2 | s.word.x >> 1);  // lowest bit of a field: at least 10
   if ((twice & some) != 0u) s.word.w |= 0x80000000u;
   s.word.y = 0u;
 }

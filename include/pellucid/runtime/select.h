@@ -32,8 +32,8 @@
  *     4f + 0 = (c0,  m01, m20)      4f + 1 = (m01, c1,  m12)
  *     4f + 2 = (m20, m12, c2)       4f + 3 = (m12, m20, m01)
  *   where m01 = normalize(c0 + c1) and so on. Level n has 20 * 4^n triangles, 0 <= n <= 8.
- *   A direction nearer than 1e-12 to a border is on the border and belongs to the cell with the lowest id
- * that it touches. A direction of zeros, or with NaN or infinities, belongs to cell 0.
+ *   A direction nearer than 1e-12 to a border is on the border. It belongs to the touching cell with the
+ *   lowest id. A direction of zeros, or with NaN or infinities, belongs to cell 0.
  *
  * Directions point from the centre of the bounding sphere to the camera. Matrices are column-major, as in
  * glTF. */

@@ -1,5 +1,5 @@
-// Finds the reader of a model file in the table of formats (formats/reader.h), and holds the small functions
-// on models of pellucid/asset.h.
+// Implements read_model() of pellucid/asset.h, which finds the reader of a file in the table of formats
+// (formats/reader.h), and small functions on models.
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -21,7 +21,7 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-// Returns the first bytes of a file; none where it cannot be read (its reader will say why).
+// Returns the first bytes of a file, and none if it cannot be read. In that case its reader reports why.
 std::string first_bytes(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   std::string bytes(64, '\0');
@@ -30,7 +30,7 @@ std::string first_bytes(const std::string& path) {
 }
 
 const FormatReader* find_reader(const std::string& path) {
-  // Formats that name themselves win over the file's name.
+  // A format that identifies itself takes precedence over the name of the file.
   const std::string bytes = first_bytes(path);
   const std::string extension = lower_extension(path);
   const FormatReader* by_extension = nullptr;
@@ -42,7 +42,7 @@ const FormatReader* find_reader(const std::string& path) {
   return by_extension;
 }
 
-// Returns ".glb .gltf .ply", and so on.
+// Returns the list of extensions, such as ".glb .gltf .ply".
 std::string list_of_extensions() {
   std::string list;
   for (const FormatReader& reader : format_readers()) {
@@ -64,7 +64,7 @@ const std::vector<FormatReader>& format_readers() {
 Model read_model(const std::string& path, const ReadOptions& options) {
   if (const FormatReader* reader = find_reader(path)) return reader->read(path, options);
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) read_file(path);  // says what is wrong with it
+  if (!std::filesystem::is_regular_file(path, ignored)) read_file(path);  // throws and says what is wrong
   throw Error(ErrorKind::bad_input,
               path + ": not a model that pellucid reads (" + list_of_extensions() + ")");
 }

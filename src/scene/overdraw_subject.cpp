@@ -1,4 +1,5 @@
-// From a model file to posed triangles and back: see pellucid/overdraw_subject.h.
+// Implements pellucid/overdraw_subject.h: turns a model file into posed triangles, and their orders into
+// order sets of primitives.
 #include "pellucid/overdraw_subject.h"
 
 #include <fmt/format.h>
@@ -9,7 +10,8 @@
 namespace pellucid {
 namespace {
 
-// Which parts take part: translucent ones hide nothing, and their order is another matter.
+// Returns the parts that are ordered. Translucent parts are left out, because they hide nothing and need
+// transparency orders.
 std::vector<std::size_t> opaque_parts(const Model& model, const PosableModel& posable,
                                       std::vector<std::string>& notes) {
   std::vector<std::size_t> parts;
@@ -54,7 +56,7 @@ void add_parts(const Model& model, const PosableModel& posable, const SubjectOpt
   }
 }
 
-// Clips by name or number; all where none is named.
+// Returns the clips with the wanted names or numbers, and all clips if none is wanted.
 std::vector<std::uint32_t> choose_clips(const Model& model, const PosableModel& posable,
                                         const std::vector<std::string>& wanted) {
   std::vector<std::uint32_t> chosen;
@@ -80,10 +82,10 @@ std::vector<std::uint32_t> choose_clips(const Model& model, const PosableModel& 
   return chosen;
 }
 
-// The part of a subject's order that draws one primitive.
+// The part of an order of the subject that draws one primitive.
 struct PrimitiveOrder {
   NodeSequence nodes;
-  std::uint32_t rank = 0;  // of the primitive in the order
+  std::uint32_t rank = 0;  // position of the primitive among those of the order
 };
 
 class OrderSplitter {
@@ -145,7 +147,8 @@ class OrderSplitter {
     return own;
   }
 
-  // Sets of their own patches share none.
+  // Adds the base order and the patches. With several sets, each has its own patches, so no patches are
+  // stored.
   void add_base(std::size_t part, OrderSet& set) const {
     const OverdrawOrders& first = sets_.sets.front();
     for (const std::uint32_t triangle : first.sequence) {

@@ -1,5 +1,6 @@
-// Models in poses: see pellucid/scene.h. A model becomes shapes (primitives, subdivided where asked for),
-// parts that draw them and clips that move them; a pose is morph targets, then skins or node matrices.
+// Implements PosableModel of pellucid/scene.h. A model becomes shapes (primitives, subdivided on request),
+// parts that draw the shapes, and clips that move the parts. A pose applies morph targets first, and then
+// skins or node matrices.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,20 +17,20 @@ namespace pellucid {
 
 // ---------------------------------------------------------------------------------------------------- shapes
 
-// A primitive as it is posed.
+// A primitive in the form in which it is posed.
 struct PosedShape {
   std::vector<Triangle> triangles;
   std::vector<Vec3f> positions;
   RigPrimitive deformation;           // of these vertices
-  std::vector<std::uint16_t> joints;  // of a skin: those that some vertex follows, increasing
+  std::vector<std::uint16_t> joints;  // joints of a skin that some vertex follows, increasing
 };
 
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-// Vertices at one place that differ otherwise; beyond these nothing is welded there.
+// The largest number of different vertices at one place. Further ones are not welded.
 constexpr int kMostVariants = 8;
-// Sum of differences of joint weights that quantisation may leave on both sides of a seam.
+// The sum of differences of joint weights that quantisation may cause at the two sides of a seam.
 constexpr double kSameWeights = 0.02;
 
 double weight_of(const VertexJoints& vertex, std::uint16_t joint) {
@@ -47,7 +48,7 @@ bool follow_the_same(const VertexJoints& a, const VertexJoints& b) {
     if (a.weights[k] > 0) difference += std::abs(weight_of(a, a.joints[k]) - weight_of(b, a.joints[k]));
     if (b.weights[k] > 0) difference += std::abs(weight_of(a, b.joints[k]) - weight_of(b, b.joints[k]));
   }
-  // Joints of both are counted twice.
+  // Joints that both vertices follow are counted twice.
   return difference <= 2 * kSameWeights;
 }
 
@@ -58,7 +59,8 @@ bool move_alike(const RigPrimitive& deformation, std::uint32_t a, std::uint32_t 
                      [&](const auto& target) { return target.empty() || target[a] == target[b]; });
 }
 
-// Parts that touch at rest and move apart are not one surface.
+// Returns for every vertex the first one at the same place that moves in the same way. Surfaces that touch at
+// rest but move apart are not welded.
 std::vector<std::uint32_t> weld_alike(const Mesh& mesh, const RigPrimitive& deformation) {
   std::vector<std::uint32_t> weld = weld_by_position(mesh.positions);
   if (deformation.joints.empty() && deformation.targets.empty()) return weld;
@@ -81,7 +83,7 @@ std::vector<std::uint32_t> weld_alike(const Mesh& mesh, const RigPrimitive& defo
   return weld;
 }
 
-// The heaviest of all joints that a refined vertex's control vertices follow.
+// Returns the heaviest of all joints that the control vertices of a refined vertex follow.
 VertexJoints refined_joints(const Subdivision& subdivision, std::uint32_t vertex,
                             const std::vector<VertexJoints>& joints) {
   struct Pull {
@@ -140,8 +142,8 @@ PosedShape refined_shape(const Mesh& mesh, const RigPrimitive& deformation, std:
   return shape;
 }
 
-// Without subdivision all is as in the file; with it vertices are welded first, where position, joints and
-// morph targets agree.
+// Makes the shape of a primitive. Without subdivision everything is as in the file. With subdivision,
+// vertices are welded first, where position, joints and morph targets agree.
 PosedShape make_shape(const Mesh& mesh, RigPrimitive deformation, std::uint32_t subdivisions) {
   PosedShape shape = subdivisions == 0
                          ? PosedShape{mesh.triangles, mesh.positions, std::move(deformation), {}}
@@ -154,12 +156,12 @@ PosedShape make_shape(const Mesh& mesh, RigPrimitive deformation, std::uint32_t 
 
 // --------------------------------------------------------------------------------------------------- posing
 
-// What moves a part's vertices.
+// What moves the vertices of a part.
 struct PartMotion {
   std::uint32_t shape = 0;
   std::optional<std::uint32_t> node;  // none: the instance stays where it is
   Affine fixed_world;
-  std::optional<std::uint32_t> skin;  // of a part with joints
+  std::optional<std::uint32_t> skin;  // for a part with joints
 };
 
 struct ClipMotion {
@@ -174,22 +176,22 @@ struct PosableData {
   std::size_t vertices = 0;  // of all parts
 
   std::vector<PosedShape> shapes;
-  std::vector<PartMotion> part_motions;  // beside parts
-  std::vector<ClipMotion> clip_motions;  // beside clips
+  std::vector<PartMotion> part_motions;  // one per part
+  std::vector<ClipMotion> clip_motions;  // one per clip
   ClipMotion rest;
-  Rig rig;  // its primitives have become shapes
+  Rig rig;  // its primitives have been moved into `shapes`
   std::optional<Skeleton> skeleton;
 
-  // Writes where the vertices are at `time` (seconds) of the clip.
+  // Writes the positions of all vertices at `time` (seconds) of the clip.
   void pose(const ClipMotion& clip, double time, std::vector<Vec3f>& positions) const;
-  // Is a part mirrored where its nodes stand like that?
+  // Returns whether a part is mirrored if the nodes have these world matrices.
   [[nodiscard]] bool is_mirrored(const PartMotion& part, const std::vector<Affine>& worlds) const;
 
  private:
-  // Matrices of the skin's joints, where a part follows them.
+  // Returns the matrices of the joints of the skin that the part follows.
   [[nodiscard]] std::vector<Affine> palette_of(const PartMotion& part,
                                                const std::vector<Affine>& worlds) const;
-  // Vertices moved by morph targets; `storage` holds them where there are some.
+  // Returns the vertices moved by morph targets, which are stored in `storage` if there are any.
   std::span<const Vec3f> morphed(const PartMotion& part, std::uint32_t weights_curve, double time,
                                  std::vector<Vec3f>& storage) const;
 };
@@ -218,7 +220,7 @@ std::vector<Affine> PosableData::palette_of(const PartMotion& part, const std::v
 
 bool PosableData::is_mirrored(const PartMotion& part, const std::vector<Affine>& worlds) const {
   if (!part.skin) return (part.node ? worlds[skeleton->slot_of(*part.node)] : part.fixed_world).mirrors();
-  // Each vertex votes as its heaviest joint does.
+  // The majority of the vertices decides, each by its heaviest joint.
   const std::vector<Affine> palette = palette_of(part, worlds);
   const std::vector<VertexJoints>& voters = shapes[part.shape].deformation.joints;
   const auto votes = std::count_if(voters.begin(), voters.end(), [&](const VertexJoints& vertex) {
@@ -277,7 +279,7 @@ constexpr std::uint64_t kMostElements = std::uint64_t{1} << 28U;
 constexpr double kSameTime = 1e-5;  // seconds; float32 times of exporters differ by less
 constexpr std::uint32_t kNoShape = std::numeric_limits<std::uint32_t>::max();
 
-// What the scene draws: a primitive, and the instance that draws it.
+// A primitive that the scene draws, and the instance that draws it.
 struct Drawn {
   std::uint32_t primitive = 0;
   std::optional<std::uint32_t> instance;
@@ -295,7 +297,8 @@ std::vector<Drawn> drawn_primitives(const Model& model) {
   return drawn;
 }
 
-// A few bytes of a file may draw a primitive a million times: counts come before memory.
+// Throws if the parts have too many triangles or vertices. A few bytes of a file may draw a primitive a
+// million times, so this is checked before memory is allocated.
 void refuse_absurd_counts(const Model& model, const std::vector<Drawn>& drawn, std::uint32_t subdivisions) {
   std::uint64_t triangles = 0, vertices = 0;
   for (const Drawn& part : drawn) {
@@ -346,7 +349,7 @@ class PosableBuilder {
       motion.fixed_world = to_affine(model_.instances[*drawn.instance].world);
       if (!data_.rig.instance_nodes.empty()) motion.node = data_.rig.instance_nodes[*drawn.instance];
     }
-    // A skin without joints at the vertices has nothing to hold on to; the node's transform remains.
+    // A skin has no effect on vertices without joints. Then the transform of the node applies.
     if (motion.node && !data_.shapes[motion.shape].joints.empty()) {
       motion.skin = data_.rig.nodes[*motion.node].skin;
     }
@@ -371,7 +374,7 @@ class PosableBuilder {
     return shape;
   }
 
-  // Those whose world matrices are asked for.
+  // Returns the nodes whose world matrices are needed.
   [[nodiscard]] std::vector<std::uint32_t> used_nodes() const {
     std::vector<std::uint32_t> used;
     for (const PartMotion& part : data_.part_motions) {
@@ -414,7 +417,8 @@ class PosableBuilder {
     data_.clip_motions.push_back(std::move(motion));
   }
 
-  // True if some part has morph targets and is drawn by the channel's node.
+  // Records the weights of a channel. Returns whether the node of the channel draws a part with morph
+  // targets.
   bool add_weights(const AnimationChannel& channel, ClipMotion& motion) const {
     const auto [begin, end] = morphing_parts_.equal_range(channel.node);
     for (auto part = begin; part != end; ++part) motion.weights[part->second] = channel.curve;
@@ -424,7 +428,7 @@ class PosableBuilder {
   const Model& model_;
   std::uint32_t subdivisions_;
   PosableData data_;
-  std::vector<std::uint32_t> shape_of_;                         // every primitive's
+  std::vector<std::uint32_t> shape_of_;                         // by primitive
   std::multimap<std::uint32_t, std::uint32_t> morphing_parts_;  // node -> part with morph targets
 };
 
@@ -435,7 +439,8 @@ class PosableBuilder {
 namespace {
 
 constexpr double kMostTimes = 1e6;
-// Of a step: a last key time that misses a step by rounding is not followed by another.
+// In steps. If rounding lets the last step fall short of the last key time by less than this, no further time
+// is added.
 constexpr double kRounding = 1e-6;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Surfaces and draw orders of scenes: see pellucid/scene.h.
+// Implements make_render_scene() and drawing_order() of pellucid/scene.h: surfaces and draw orders of scenes.
 #include <algorithm>
 #include <iterator>
 #include <numeric>
@@ -35,7 +35,7 @@ Surface surface_of(const PrimitiveLook& file, const SurfaceLook& uniform) {
   return surface;
 }
 
-// Copies colours and texture coordinates of an object's vertices, where it or another object has some.
+// Copies colours and texture coordinates of the vertices of an object, if this or another object has any.
 void copy_attributes(const PrimitiveLook& look, std::uint32_t first_vertex, RenderScene& scene) {
   const auto first = static_cast<std::ptrdiff_t>(first_vertex);
   if (!look.texcoords.empty()) {
@@ -77,7 +77,7 @@ RenderScene make_render_scene(const Model& model, const Scene& scene, Surfaces s
 
 namespace {
 
-// Returns whether the camera sees the front of the triangle, whose corners are counter-clockwise from there.
+// Returns whether the camera sees the front of the triangle, from where its corners are counter-clockwise.
 bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera) {
   const Triangle& t = mesh.triangles[triangle];
   const Vec3d a = to_double(mesh.positions[t[0]]);
@@ -85,7 +85,7 @@ bool shows_front(const Mesh& mesh, std::uint32_t triangle, const Camera& camera)
   return dot(normal, camera.perspective ? camera.eye - a : -camera.forward) > 0;
 }
 
-// Appends triangles by their ranks. Ranks are those of nodes: the side that the camera sees decides.
+// Appends triangles by their ranks. Ranks belong to nodes, so the side that the camera sees decides.
 void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t first_triangle,
                      const Scene& scene, const Camera& camera, std::vector<std::uint32_t>& order) {
   std::vector<std::uint32_t> own(ranks.size() / 2);
@@ -101,7 +101,8 @@ void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t firs
   for (const std::uint32_t t : own) order.push_back(first_triangle + t);
 }
 
-// Returns which of its overdraw orders draws a primitive; none for animations that they were not made for.
+// Returns which of its overdraw orders draws a primitive, and nothing for animations that the orders were not
+// made for.
 std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& camera,
                                             const ScenePose& pose) {
   if (!pose.animation) {
@@ -116,12 +117,12 @@ std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& c
   return std::nullopt;
 }
 
-// An object with overdraw orders and the order that draws it.
+// An object with overdraw orders, and the order that draws it.
 struct OverdrawObject {
   std::uint32_t object = 0, order = 0;
   std::uint32_t rank = 0;  // among those of the model
 };
-// Returns the objects that overdraw orders draw, by their ranks among those of the model.
+// Returns the objects that overdraw orders draw, sorted by their ranks within the model.
 std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& camera,
                                              const ScenePose& pose) {
   std::vector<OverdrawObject> chosen;

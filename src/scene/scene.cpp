@@ -1,4 +1,5 @@
-// Whole files as one mesh, at rest and in a pose, and the cameras of files: see pellucid/scene.h.
+// Implements the scenes, poses and cameras of pellucid/scene.h: whole files as one mesh, at rest and in a
+// pose, and the cameras of files.
 #include "pellucid/scene.h"
 
 #include <fmt/format.h>
@@ -70,7 +71,7 @@ void append_object(const Model& model, std::uint32_t number, Scene& scene) {
   }
   const std::vector<Vec3f> normals = local.normals.empty() ? vertex_normals(local) : local.normals;
   for (const Vec3f& n : normals) {
-    // Normals go with the transposed inverse.
+    // Normals are transformed by the transposed inverse.
     const auto& m = local_from_world.m;
     const Vec3d v = to_double(n);
     scene.mesh.normals.push_back(
@@ -78,14 +79,14 @@ void append_object(const Model& model, std::uint32_t number, Scene& scene) {
                                   m[8] * v.x + m[9] * v.y + m[10] * v.z})));
   }
   for (const Triangle& t : local.triangles) {
-    // A mirrored node shows the same faces as fronts (glTF 3.7.4): turn its triangles back.
+    // A mirrored node shows the same faces as fronts (glTF 2.0, section 3.7.4), so its triangles are turned.
     const Triangle turned = d < 0 ? Triangle{t[0], t[2], t[1]} : t;
     scene.mesh.triangles.push_back(
         {turned[0] + first_vertex, turned[1] + first_vertex, turned[2] + first_vertex});
   }
 }
 
-// Returns the camera as an object sees it: relative to its bounding sphere, in its radii.
+// Returns the camera relative to the bounding sphere of an object, in its radii.
 Viewpoint local_viewpoint(const SceneObject& object, const BoundingSphere& sphere, const Camera& camera) {
   if (!camera.perspective) {
     return {normalized(-transformed_direction(object.local_from_world, camera.forward)), kInfiniteDistance};
@@ -210,8 +211,8 @@ std::uint32_t find_clip(const PosableModel& posable, const std::string& path, co
               fmt::format("{} has no animation '{}'; it has {}", path, name, names.empty() ? "none" : names));
 }
 
-// Returns for every vertex the first one at the same point of a smooth surface: with the same place and
-// normal.
+// Returns for every vertex the first one at the same point of a smooth surface, which has the same position
+// and normal.
 std::vector<std::uint32_t> smooth_points(const Mesh& mesh) {
   std::vector<std::uint32_t> points(mesh.positions.size());
   std::map<std::array<float, 6>, std::uint32_t> first;
@@ -250,7 +251,7 @@ void set_normals(const Mesh& local, Mesh posed, std::span<Vec3f> normals) {
   for (std::size_t v = 0; v < points.size(); ++v) normals[v] = smooth[points[v]];
 }
 
-// Turns the triangles of an object where its joints mirror it and its node does not, or the other way round.
+// Turns the triangles of an object if its joints mirror it and its node does not, or the other way round.
 void turn_as(const Triangle& drawn, const Triangle& in_file, const SceneObject& object, std::size_t count,
              Scene& scene) {
   const bool turned = drawn[1] - drawn[0] != in_file[1] - in_file[0];
@@ -307,7 +308,7 @@ ModelCamera find_camera(const Model& model, const std::string& name) {
                                                    names.empty() ? "none" : names));
 }
 
-// Fits near and far planes around the sphere, as far as it lies in front.
+// Fits near and far planes to the part of the sphere that lies in front of the camera.
 void fit_planes(const BoundingSphere& sphere, Camera& camera) {
   constexpr double kSlack = 1.001;
   constexpr double kNearest = 1e-4;  // of the far plane

@@ -1,4 +1,4 @@
-// Node hierarchies in motion and the curves that move them: see skeleton.h. Slerp follows Shoemake,
+// Implements skeleton.h: node hierarchies in motion, and the curves that move them. Slerp follows Shoemake,
 // "Animating rotation with quaternion curves", SIGGRAPH 1985.
 #include "scene/skeleton.h"
 
@@ -8,12 +8,12 @@
 namespace pellucid {
 namespace {
 
-// Below this angle sin() in the denominator loses digits, and chord and arc are the same.
+// Below this angle, the sine in the denominator loses digits, and chord and arc are practically equal.
 constexpr double kSmallAngle = 1e-4;
 
 using Quaternion = std::array<double, 4>;
 
-// A time between keys `key` and `next`, `fraction` of the way; key == next outside of the curve.
+// A time between the keys `key` and `next`, at `fraction` of the way. Outside of the curve, key equals next.
 struct CurveSpan {
   std::size_t key = 0, next = 0;
   double fraction = 0;
@@ -31,7 +31,7 @@ CurveSpan find_span(const AnimationCurve& curve, double time) {
   return {key, key + 1, (time - start) / seconds, seconds};
 }
 
-// Cubic splines hold three numbers in the place of one: in-tangents, values, out-tangents of a key.
+// A key of a cubic spline has three values in place of one: in-tangent, value, out-tangent.
 enum Column : std::size_t { in_tangent = 0, value_column = 1, out_tangent = 2 };
 
 std::span<const float> numbers(const AnimationCurve& curve, std::size_t key, Column column) {
@@ -54,7 +54,7 @@ double dot_product(const Quaternion& a, const Quaternion& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-// Returns the quaternion with length 1; the identity for length 0.
+// Returns the quaternion scaled to length 1, or the identity if its length is 0.
 Quaternion unit(const Quaternion& q) {
   const double norm = std::sqrt(dot_product(q, q));
   if (!(norm > 0)) return {0, 0, 0, 1};
@@ -69,7 +69,7 @@ Quaternion slerp(const Quaternion& a, const Quaternion& b, double t) {
     weight_a = std::sin((1 - t) * angle) / std::sin(angle);
     weight_b = std::sin(t * angle) / std::sin(angle);
   }
-  // q and -q are the same rotation: take the nearer.
+  // q and -q are the same rotation. The nearer one is used.
   if (cosine < 0) weight_b = -weight_b;
   Quaternion q;
   for (std::size_t i = 0; i < 4; ++i) q[i] = weight_a * a[i] + weight_b * b[i];

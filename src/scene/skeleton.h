@@ -1,4 +1,4 @@
-// Internal to the module `scene`: where the nodes of a rig stand at a time of an animation.
+// Internal to the module `scene`: computes where the nodes of a rig are at a time of an animation.
 //
 // In: nodes, curves and channels (pellucid/animation.h). Out: world matrices in double precision, and the
 // values of curves. Format: glTF 2.0, sections 3.5 and 3.11, appendix C.
@@ -34,7 +34,7 @@ inline Affine to_affine(const Mat4& matrix) {
   return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
 }
 
-// Quaternions are taken as they are, as the readers of Instance::world do.
+// Converts a transform. Quaternions are used as they are, as by the readers of Instance::world.
 inline Affine to_affine(const NodeTransform& node) {
   if (node.matrix) return to_affine(*node.matrix);
   const auto [x, y, z, w] = node.rotation;
@@ -44,15 +44,15 @@ inline Affine to_affine(const NodeTransform& node) {
           node.translation};
 }
 
-// Writes the value of `curve` at `time` (seconds) to `value`, with value.size() == curve.width. Times outside
-// of the curve's are clamped to them.
+// Writes the value of `curve` at `time` (seconds) to `value`, where value.size() == curve.width. Times
+// outside the curve are clamped.
 void sample_curve(const AnimationCurve& curve, double time, std::span<double> value);
 
 // Returns the value of a curve of rotations: a unit quaternion. Linear rotations are interpolated on the
 // sphere.
 std::array<double, 4> sample_rotation(const AnimationCurve& curve, double time);
 
-// The curves by which an animation moves a node; kNoCurve: the value at rest.
+// The curves that move a node in an animation. kNoCurve means the value at rest.
 constexpr std::uint32_t kNoCurve = ~0U;
 struct NodeMotion {
   std::uint32_t slot = 0;
@@ -61,10 +61,10 @@ struct NodeMotion {
 
 class Skeleton {
  public:
-  // Holds the nodes in `used` and all their ancestors.
+  // Keeps the nodes in `used` and all their ancestors.
   Skeleton(const std::vector<RigNode>& nodes, const std::vector<std::uint32_t>& used);
 
-  // Returns the place of the world matrix of a node in `used`.
+  // Returns the index of the world matrix of a node in `used`.
   [[nodiscard]] std::uint32_t slot_of(std::uint32_t node) const { return slots_[node]; }
   [[nodiscard]] bool moves(std::uint32_t node) const { return slots_[node] != kNoSlot; }
 

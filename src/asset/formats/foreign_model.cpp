@@ -71,7 +71,7 @@ class EarClipper {
     std::size_t left = corners_.size();
     std::size_t at = 0;
     // A full round without an ear happens only for polygons that intersect themselves. Then any corner is
-    // clipped. The same holds for a hostile polygon that has used up its tests.
+    // clipped. The same is done for a hostile polygon that has used up its tests.
     std::size_t fruitless = 0;
     std::size_t tests_left = 8 * left;
     while (left > 3) {
@@ -110,7 +110,7 @@ class EarClipper {
     }
   }
 
-  // Returns more than 0 where a, b, c turn left.
+  // Returns a value > 0 if a, b, c turn left.
   [[nodiscard]] double turn(std::size_t a, std::size_t b, std::size_t c) const {
     return (points_[b].x - points_[a].x) * (points_[c].y - points_[a].y) -
            (points_[b].y - points_[a].y) * (points_[c].x - points_[a].x);

@@ -40,7 +40,7 @@ void check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_tex
 RgbaImage decode_png(std::span<const std::byte> file, std::uint64_t max_texels) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
-  // Frees what libpng holds, also where an error is thrown.
+  // Frees what libpng holds, also if an error is thrown.
   struct Free {
     png_image* image;
     ~Free() { png_image_free(image); }
@@ -53,7 +53,7 @@ RgbaImage decode_png(std::span<const std::byte> file, std::uint64_t max_texels) 
   image.rgba.resize(PNG_IMAGE_SIZE(header));
   if (png_image_finish_read(&header, nullptr, image.rgba.data(), 0, nullptr) == 0)
     throw ImageFileError(std::string("as a PNG it is damaged: ") + header.message);
-  // For a file that is cut off, libpng gives the rows that there are, with a warning.
+  // For a file that is cut off, libpng returns the rows that exist, with a warning.
   if ((header.warning_or_error & PNG_IMAGE_WARNING) != 0 &&
       std::string_view(header.message).find("Not enough") != std::string_view::npos)
     throw ImageFileError(std::string("as a PNG it is damaged: ") + header.message);
@@ -62,10 +62,10 @@ RgbaImage decode_png(std::span<const std::byte> file, std::uint64_t max_texels) 
 
 #ifdef PELLUCID_WITH_JPEG
 
-// What libjpeg may allocate beside the image: it holds progressive files as coefficients.
+// The memory that libjpeg may allocate beside the image. It holds progressive files as coefficients.
 constexpr long kMostJpegMemory = 1L << 30;
 
-// libjpeg reports errors by longjmp, so that nothing with a destructor may live between there and here.
+// libjpeg reports errors by longjmp, so no object with a destructor may be created between there and here.
 struct JpegReader {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};

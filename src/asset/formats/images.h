@@ -11,7 +11,7 @@
 
 namespace pellucid {
 
-// Says what is wrong with an image file. The caller adds which file it is.
+// Says what is wrong with an image file. The caller adds the name of the file.
 class ImageFileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -23,8 +23,8 @@ bool is_image(std::span<const std::byte> file);
 // Returns whether this build can decode the file: JPEG only where PELLUCID_JPEG is on.
 bool can_decode(std::span<const std::byte> file);
 
-// Decodes a PNG or JPEG. Throws ImageFileError where the file is damaged, or where it has more than
-// `max_texels` texels; in that case nothing was allocated for them.
+// Decodes a PNG or JPEG. Throws ImageFileError if the file is damaged, or if it has more than `max_texels`
+// texels. In that case no memory was allocated for them.
 RgbaImage decode_image(std::span<const std::byte> file, std::uint64_t max_texels);
 
 }  // namespace pellucid

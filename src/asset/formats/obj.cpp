@@ -1,5 +1,5 @@
-// Reads OBJ files (Wavefront): polygons with positions and normals, one primitive per material, and the
-// colour and opacity of materials from the MTL files beside the model. Leaves out texture coordinates, lines,
+// Reads OBJ files (Wavefront): polygons with positions and normals, one primitive per material. Colours and
+// opacities of materials come from the MTL files beside the model. Leaves out texture coordinates, lines,
 // points and free-form surfaces.
 #include <algorithm>
 #include <filesystem>
@@ -62,7 +62,7 @@ class ObjParser {
   }
 
  private:
-  // The greatest index of any face, and the line that holds it.
+  // The greatest index of any face, and the line that contains it.
   struct Highest {
     std::uint64_t index = 0;
     std::uint64_t line = 0;
@@ -103,7 +103,7 @@ class ObjParser {
     return {x, y, read_number(what)};
   }
 
-  // Returns the number of the current material. Only materials that some face has get a number.
+  // Returns the number of the current material. Only materials that some face uses get a number.
   std::uint32_t current_material() {
     if (material_ != kNone) return material_;
     const auto [entry, is_new] =
@@ -167,7 +167,7 @@ class ObjParser {
   ObjFile file_;
   std::map<std::string, std::uint32_t> material_index_;
   std::string material_name_;
-  std::uint32_t material_ = kNone;  // its number, once a face has it
+  std::uint32_t material_ = kNone;  // its number, as soon as a face uses it
   Highest highest_position_, highest_normal_;
 };
 
@@ -221,7 +221,8 @@ class PrimitiveBuilder {
   bool has_normals_ = false;
 };
 
-// Reads one MTL file beside the model; devices and pipes are left alone. False where it cannot be read.
+// Reads one MTL file beside the model. Does not touch devices and pipes. Returns false if the file cannot be
+// read.
 bool read_library(const std::filesystem::path& path, ObjMaterials& materials) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status)) return false;

@@ -61,7 +61,7 @@ Vec3f read_vector(TextCursor& cursor, std::string_view what) {
   return {x, y, cursor.read_float(what)};
 }
 
-// Reads the vertices. Colours and texture coordinates fill the rest of a vertex's line and are skipped.
+// Reads the vertices. Colours and texture coordinates fill the rest of the line of a vertex and are skipped.
 void read_vertices(TextCursor& cursor, const OffHeader& header, const std::string& path, Mesh& mesh) {
   mesh.positions.reserve(header.vertices);
   if (header.normals) mesh.normals.reserve(header.vertices);
@@ -73,7 +73,7 @@ void read_vertices(TextCursor& cursor, const OffHeader& header, const std::strin
   }
 }
 
-// Reads the faces. A face's colour fills the rest of its line and is skipped.
+// Reads the faces. The colour of a face fills the rest of its line and is skipped.
 void read_faces(TextCursor& cursor, const OffHeader& header, Model& model, Mesh& mesh) {
   std::vector<std::uint32_t> corners;
   std::uint64_t short_faces = 0;

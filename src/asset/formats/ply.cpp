@@ -1,5 +1,5 @@
-// Reads PLY files (Turk, "The PLY polygon file format", 1994): text and binary of both byte orders, polygons
-// and triangle strips, any scalar types. Skips elements and properties that are not geometry.
+// Reads PLY files: text and binary in both byte orders, polygons and triangle strips, any scalar types. Skips
+// elements and properties that are not geometry. Format: Turk, "The PLY polygon file format", 1994.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -51,7 +51,7 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  // Returns the least size of one such element in the file. A word of text takes a byte and a separator.
+  // Returns the least size of one such element in the file. A word of text takes one byte and a separator.
   [[nodiscard]] std::uint64_t least_bytes(PlyFormat format) const {
     std::uint64_t bytes = 0;
     for (const PlyProperty& property : properties) {
@@ -182,7 +182,7 @@ class AsciiScalars {
   [[nodiscard]] std::string place() const {
     return "line " + std::to_string(first_line_ + cursor_.line() - 1);
   }
-  // Returns whether something is left after the last element.
+  // Returns whether anything is left after the last element.
   bool has_more() { return cursor_.has_more(); }
 
   struct EndOfData {};
@@ -284,7 +284,7 @@ VertexLayout vertex_layout(const PlyElement& element, const std::string& path) {
   return layout;
 }
 
-// Returns the property that lists the corners of faces or strips; properties.size() where there is none.
+// Returns the property that lists the corners of faces or strips, or properties.size() if there is none.
 std::size_t index_list(const PlyElement& element) {
   std::size_t p = 0;
   for (; p < element.properties.size(); ++p) {
@@ -294,8 +294,8 @@ std::size_t index_list(const PlyElement& element) {
   return p;
 }
 
-// Polygons or strips one after the other. The file may hold their vertices after them, so triangles are made
-// at the end.
+// Polygons or strips, one after the other. The file may store their vertices after them, so triangles are
+// made at the end.
 struct IndexLists {
   std::vector<std::int64_t> indices;
   std::vector<std::size_t> ends;
@@ -329,7 +329,7 @@ class PlyBody {
     const std::string what = element.name == "face"     ? "faces"
                              : element.name == "vertex" ? "vertices"
                                                         : "elements '" + element.name + "'";
-    // An element without properties takes no bytes, so its count says nothing.
+    // An element without properties takes no bytes, so its count cannot be checked against the file size.
     if (element.properties.empty() && element.name != "vertex") return;
     const VertexLayout layout = element.name == "vertex" ? vertex_layout(element, path_) : VertexLayout{};
     require_fits(element.count, element.least_bytes(header_.format), scalars_.remaining(), what, path_);
@@ -395,7 +395,7 @@ class PlyBody {
     return list;
   }
 
-  // Reads the length of a list. Throws EndOfData where the rest of the file is shorter than the list.
+  // Reads the length of a list. Throws EndOfData if the rest of the file is shorter than the list.
   std::uint64_t list_length(const PlyProperty& property) {
     const double length = scalars_.next(*property.count_type);
     if (!(length >= 0) || length != std::floor(length)) {
@@ -427,7 +427,7 @@ class PlyBody {
     lists.ends.push_back(lists.indices.size());
   }
 
-  // Returns a number as an index. A number that cannot be one becomes an index that is out of range, which is
+  // Returns a number as an index. A number that cannot be an index becomes one that is out of range, which is
   // reported with its face.
   static std::int64_t to_index(double value) {
     constexpr double kFarOut = 9e15;  // beyond any uint32, exact in a double
@@ -464,7 +464,8 @@ class PlyBody {
     note_short_faces(short_faces, model);
   }
 
-  // Adds the triangles of strips. A negative index ends a strip; every second triangle has the other winding.
+  // Adds the triangles of strips. A negative index ends a strip. Every second triangle has the opposite
+  // winding.
   void add_strips() {
     std::size_t begin = 0;
     for (std::size_t s = 0; s < strips_.ends.size(); ++s) {

@@ -1,5 +1,5 @@
 // Internal to the module `asset`: the table of model formats. read_model() finds the reader of a file in it,
-// error messages list the formats of it, and fuzzing (fuzz/readers.cpp) has a target for each row.
+// error messages list its formats, and fuzzing (fuzz/readers.cpp) has a target for each row.
 //
 // To add a format, write one file in this folder that defines its FormatReader (off.cpp is the shortest
 // example), and add one line to PELLUCID_MODEL_FORMATS.
@@ -17,10 +17,12 @@ namespace pellucid {
 struct FormatReader {
   std::string_view name;                     // the usual extension without its dot
   std::vector<std::string_view> extensions;  // ".glb": lower case, with the dot
-  // Returns whether a file that begins with these bytes is of this format, whatever its name; the bytes are
-  // the whole file where it is short. Null where the format has no sure sign: then the extension decides.
+  // Returns whether a file that begins with these bytes is of this format, whatever its name is. For a short
+  // file the bytes are the whole file. Null if the format cannot be recognised reliably; then the extension
+  // decides.
   bool (*recognizes)(std::string_view first_bytes);
-  // Throws Error{bad_input} with one line that names the file, the place where it helps, and the reason.
+  // Reads a file. Throws Error{bad_input} with one line that names the file, the place if it helps, and the
+  // reason.
   Model (*read)(const std::string& path, const ReadOptions& options);
 };
 

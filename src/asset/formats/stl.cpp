@@ -1,4 +1,4 @@
-// Reads STL files, text and binary. Corners with bit-equal positions become one vertex; facet normals are
+// Reads STL files, text and binary. Corners with bit-equal positions become one vertex. Facet normals are
 // left out, because they follow from the corners.
 #include <algorithm>
 #include <bit>
@@ -41,8 +41,8 @@ bool looks_like_text(std::string_view bytes) {
   });
 }
 
-// Returns whether the file is binary. Binary files may begin with "solid", too, so the length that the count
-// predicts decides first.
+// Returns whether the file is binary. Binary files may begin with "solid", too, so the length that follows
+// from the count is checked first.
 bool is_binary(std::string_view bytes) {
   if (bytes.size() >= kCountEnd &&
       bytes.size() == kCountEnd + kFacetBytes * std::uint64_t{little_endian_at(bytes, kHeaderBytes)}) {
@@ -141,7 +141,7 @@ class AsciiStl {
   std::uint64_t short_facets_ = 0;
 };
 
-// Makes one vertex of all corners at a position. Vertices are numbered by first use.
+// Makes one vertex of all corners with the same position. Vertices are numbered by first use.
 void weld(Mesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::uint32_t> first = weld_by_position(mesh.positions);

@@ -19,8 +19,8 @@ std::string_view without_plus(std::string_view text) {
   return text;
 }
 
-// Returns infinity or zero for a decimal number that no double can hold. from_chars says only that it is out
-// of range.
+// Returns infinity or zero for a decimal number that no double can hold. from_chars only reports that it is
+// out of range.
 double beyond_double(std::string_view text) {
   const bool negative = text.front() == '-';
   const std::size_t exponent = text.find_first_of("eE");

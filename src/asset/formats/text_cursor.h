@@ -1,6 +1,6 @@
-// Internal to the module `asset`: a cursor over the text of a model file. It gives words and numbers, knows
-// the line that it is on, and never reads past the end. Numbers are read with std::from_chars, so that they
-// do not depend on the locale and become the nearest float.
+// Internal to the module `asset`: a cursor over the text of a model file. It returns words and numbers, keeps
+// track of the line number, and never reads past the end. Numbers are read with std::from_chars, so they do
+// not depend on the locale and become the nearest float.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,17 @@
 
 namespace pellucid {
 
-// Parses "1.5", "+2", "-inf", "nan". A value beyond the type's range becomes infinite or zero, as it does
-// when other programs convert to float32. Returns nothing where `text` is not wholly a number.
+// Parses "1.5", "+2", "-inf", "nan". A value beyond the range of the type becomes infinite or zero, as in
+// other programs that convert to float32. Returns nothing if `text` is not a number as a whole.
 std::optional<float> parse_float(std::string_view text);
 std::optional<double> parse_double(std::string_view text);
-// Parses a whole decimal number with or without a sign. Returns nothing where it does not fit.
+// Parses a decimal integer with or without a sign. Returns nothing if it does not fit.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
 class TextCursor {
  public:
-  // From the character `comment` to the end of its line everything is skipped; '\0' means no comments.
+  // Everything from the character `comment` to the end of its line is skipped; '\0' means that there are no
+  // comments.
   TextCursor(std::string path, std::string_view text, char comment)
       : path_(std::move(path)), text_(text), comment_(comment) {}
 
@@ -37,8 +38,8 @@ class TextCursor {
   // Moves to the beginning of the next line.
   void skip_line();
 
-  // Reads the next word of the text as a number. Throws Error{bad_input} naming the line, that `what` is
-  // missing, and what stands there.
+  // Reads the next word of the text as a number. Throws Error{bad_input} that names the line, the missing
+  // `what`, and what is there instead.
   float read_float(std::string_view what);
   double read_double(std::string_view what);
   std::int64_t read_integer(std::string_view what);
@@ -48,7 +49,7 @@ class TextCursor {
   [[nodiscard]] std::size_t remaining() const { return text_.size() - at_; }
   // Returns Error{bad_input} with the text "path: line N: reason".
   [[nodiscard]] Error error(const std::string& reason) const;
-  // Returns the same for a file that ends too soon (`found` is empty), or that holds `found` instead of
+  // Returns the same for a file that ends too soon (`found` is empty), or that has `found` in place of
   // `what`.
   [[nodiscard]] Error unexpected(std::string_view what, std::string_view found) const;
 
@@ -64,7 +65,7 @@ class TextCursor {
   std::uint64_t line_ = 1;
 };
 
-// Returns text of a file for messages, in quotes, without control characters, and cut where it is long.
+// Returns text of a file for messages: in quotes, without control characters, and cut if it is long.
 std::string in_quotes(std::string_view text, std::size_t longest = 40);
 
 }  // namespace pellucid

@@ -1,5 +1,5 @@
-// Implements accessors.h. Format: glTF 2.0, section 3.6.2, and EXT_meshopt_compression (Khronos, ratified)
-// through meshoptimizer.
+// Implements accessors.h. EXT_meshopt_compression (Khronos, ratified) is decoded by meshoptimizer. Format:
+// glTF 2.0, section 3.6.2.
 #include "asset/gltf/accessors.h"
 
 #include <meshoptimizer.h>
@@ -51,7 +51,7 @@ struct MeshoptView {
   MeshoptFilter filter = MeshoptFilter::none;
 };
 
-// No codec expands more than 16 attribute bytes from 2 bits. The constant covers headers and tails.
+// No codec expands 2 bits to more than 16 attribute bytes. The constant also covers headers and tails.
 constexpr std::uint64_t kMaxExpansion = 64;
 constexpr std::uint64_t kExpansionSlack = 1U << 16U;
 
@@ -98,8 +98,8 @@ void apply_filter(const MeshoptView& view, Bytes& bytes) {
   }
 }
 
-// `parent` is the buffer view, `compression` its extension object. Fails for what the extension forbids, and
-// for modes and filters that are not known.
+// Reads the description of a compressed view. `parent` is the buffer view, `compression` its extension
+// object. Fails for what the extension forbids, and for unknown modes and filters.
 MeshoptView describe_meshopt_view(const Fields& parent, const Fields& compression) {
   MeshoptView view;
   view.count = compression.index("count");
@@ -117,8 +117,8 @@ MeshoptView describe_meshopt_view(const Fields& parent, const Fields& compressio
   return view;
 }
 
-// Returns count * stride bytes. Fails where `source` cannot be such a stream, and where its size shows that,
-// before anything is allocated.
+// Returns count * stride bytes. Fails if `source` cannot be such a stream. Its size is checked before memory
+// is allocated.
 Bytes decode_meshopt_view(const MeshoptView& view, std::span<const std::byte> source,
                           const Fields& compression) {
   const std::uint64_t size = view.count * view.stride;
@@ -223,7 +223,7 @@ void store_scalar(std::uint32_t value, Bytes& bytes, std::size_t at, std::uint64
 
 Bytes encode_meshopt_indices(std::span<const std::uint32_t> values) {
   const std::uint32_t largest = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
-  // The extension needs version 1 of the stream. meshoptimizer keeps the version in a global variable.
+  // The extension requires version 1 of the stream. meshoptimizer keeps the version in a global variable.
   meshopt_encodeIndexVersion(1);
   Bytes bytes(meshopt_encodeIndexSequenceBound(values.size(), std::size_t{largest} + 1));
   const std::size_t used = meshopt_encodeIndexSequence(reinterpret_cast<unsigned char*>(bytes.data()),
@@ -247,8 +247,8 @@ std::uint32_t AccessorReader::restart_value(std::uint64_t accessor) const {
 }
 
 void AccessorReader::charge(const Fields& owner, std::uint64_t elements, std::uint64_t limit) {
-  // Vertices, three corners a triangle, and the same again for attributes and orders. A file may refer to the
-  // same bytes many times, so their sum is limited too.
+  // The limit covers vertices, three corners per triangle, and the same again for attributes and orders. A
+  // file may refer to the same bytes many times, so the sum is limited, too.
   const std::uint64_t file_limit = 9 * max_elements_;
   if (elements > limit || elements > file_limit - charged_) {
     owner.fail("it asks for " + std::to_string(elements) + " elements; the limit is " +
@@ -360,7 +360,8 @@ std::vector<float> AccessorReader::read_reals(std::uint64_t index, const std::st
 }
 
 Bytes AccessorReader::elements(const Fields& accessor, const Layout& layout) {
-  // Bounds are checked before memory is taken. Only an accessor without a view may be larger than the file.
+  // Bounds are checked before memory is allocated. Only an accessor without a view may be larger than the
+  // file.
   Bytes out;
   if (accessor.has("bufferView")) {
     copy_strided(accessor, layout, out);

@@ -1,4 +1,5 @@
-// Implements document.h. Format: glTF 2.0, sections 3.6 and 4.
+// Implements document.h: containers, buffers, and the layout of written files. Format: glTF 2.0, sections 3.6
+// and 4.
 #include "asset/gltf/document.h"
 
 #include <cstring>
@@ -14,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The .glb container (section 4.4). Little endian throughout.
+// The .glb container (section 4.4), which is little-endian.
 constexpr std::uint32_t kGlbMagic = 0x46546C67;     // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;    // "JSON"
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;  // "BIN\0"
@@ -26,8 +27,8 @@ constexpr std::size_t kMaxDepth = 128;
 constexpr std::size_t kMaxKeys = 10000;
 constexpr std::size_t kMaxComplaint = 200;  // characters of the parser's own message
 
-// Returns the text of "[json.exception.parse_error.101] parse error at line 1 ..." after the bracket, cut to
-// a line.
+// Returns the message of the JSON parser, without its prefix "[json.exception.parse_error.101]" and cut to
+// one line.
 std::string parser_complaint(const std::string& what) {
   const std::size_t bracket = what.find("] ");
   std::string text = bracket == std::string::npos ? what : what.substr(bracket + 2);
@@ -35,7 +36,7 @@ std::string parser_complaint(const std::string& what) {
   return text;
 }
 
-// Walks the text once without building anything, and finds out whether it may be built.
+// Walks the text once without building anything, to find out whether it may be built.
 class Guard : public nlohmann::json_sax<Json> {
  public:
   bool null() override { return true; }
@@ -76,9 +77,9 @@ class Guard : public nlohmann::json_sax<Json> {
   std::vector<std::size_t> keys_;  // per open object or array
 };
 
-// Parses JSON text, which may be hostile. Throws Error{bad_input}, beginning with `file`, for text that is no
-// JSON, nests deeper than 128, has an object of more than 10,000 keys (ordered objects are searched in linear
-// time), or is longer than 512 MiB.
+// Parses JSON text, which may be hostile. Throws Error{bad_input}, beginning with `file`, for text that is
+// not JSON, nests deeper than 128, has an object of more than 10,000 keys (ordered objects are searched in
+// linear time), or is longer than 512 MiB.
 Json parse_json(std::string_view text, const std::string& file) {
   const auto fail = [&](const std::string& reason) -> Error {
     return {ErrorKind::bad_input, file + ": bad JSON: " + reason};
@@ -108,7 +109,7 @@ std::string_view text_within(const Bytes& bytes, std::size_t begin, std::size_t 
   return {reinterpret_cast<const char*>(bytes.data()) + begin, count};
 }
 
-// Fills in the JSON and the other chunks. Returns the BIN chunk; null where there is none.
+// Fills in the JSON and the other chunks. Returns the BIN chunk, or null if there is none.
 std::shared_ptr<const Bytes> parse_glb(const Bytes& file, GltfDocument& document) {
   const std::string& path = document.path;
   if (file.size() < kGlbHeaderBytes) fail(path, "the .glb header is cut off");
@@ -153,8 +154,8 @@ bool is_fallback(const Fields& buffer) {
   return false;
 }
 
-// Returns whether the file exists beside the model. A uri that cannot be the name of a file, such as one that
-// is too long, counts as missing.
+// Returns whether the file exists beside the model. A URI that cannot be the name of a file, for example
+// because it is too long, counts as missing.
 bool is_beside(const GltfDocument& document, const std::string& uri) {
   std::error_code ignored;
   return fs::exists(fs::path(document.path).parent_path() / decode_relative_uri(uri).value_or(""), ignored);
@@ -307,9 +308,9 @@ class BufferPlacer {
   }
 
  private:
-  // Returns whether external files stay as they are. They do where the new file lies beside the old one and
-  // none of them changes. Otherwise all get names of the new file's own, so that no other model's file is
-  // ever overwritten.
+  // Returns whether external files stay as they are. They do if the new file lies beside the old one and none
+  // of them changes. Otherwise all get new names that belong to the new file, so that no file of another
+  // model is ever overwritten.
   [[nodiscard]] bool may_keep_external(const std::string& path) const {
     if (glb_ || document_.path.empty() || folder_of(path) != folder_of(document_.path)) return false;
     for (const GltfBuffer& buffer : document_.buffers) {

@@ -1,5 +1,5 @@
-// Internal to the module `asset`: a glTF file as it lies on disk. In: a .gltf or .glb. Out: its JSON and its
-// buffers without interpretation, which become files again. Format: glTF 2.0, sections 3.6 and 4.
+// Internal to the module `asset`: a glTF file as it is stored on disk. In: a .gltf or .glb. Out: its JSON and
+// its buffers without interpretation, which can be written again. Format: glTF 2.0, sections 3.6 and 4.
 #pragma once
 
 #include <cstdint>
@@ -34,11 +34,11 @@ enum class BufferStorage {
 
 struct GltfBuffer {
   BufferStorage storage = BufferStorage::absent;
-  std::shared_ptr<const Bytes> bytes;  // exactly buffer.byteLength of them; null when absent
-  bool changed = false;                // differs from what its uri holds
+  std::shared_ptr<const Bytes> bytes;  // exactly buffer.byteLength bytes; null if absent
+  bool changed = false;                // differs from the data at its uri
 };
 
-// A chunk of a .glb that is neither JSON nor BIN. The container format asks to keep it.
+// A chunk of a .glb that is neither JSON nor BIN. The container format asks programs to keep it.
 struct GlbChunk {
   std::uint32_t type = 0;
   Bytes bytes;
@@ -53,18 +53,18 @@ struct GltfDocument {  // NOLINT(bugprone-exception-escape)
 };
 
 // Parses the file at `path`, a .gltf or .glb by its first bytes, and loads every buffer that it names. Throws
-// Error{bad_input} for files that are damaged or hostile. The JSON text is bounded in size, depth and keys
+// Error{bad_input} for files that are damaged or hostile. The JSON text is limited in size, depth and keys
 // per object.
 GltfDocument load_document(const std::string& path);
 
 // The files that a document becomes.
 struct DocumentFiles {
-  std::vector<std::pair<std::string, Bytes>> side_files;  // path, content; to be written first
+  std::vector<std::pair<std::string, Bytes>> side_files;  // path and content; written first
   Bytes main;
 };
-// Lays `document` out as the file `path` (.glb or .gltf by extension) and its side files. Changes the
-// document's JSON where a buffer moves (uri, byteLength). `side_names[i]`, where it is not empty, makes
-// buffer i the external file of that name. Throws Error{bad_argument} where a .glb would exceed 4 GiB.
+// Lays `document` out as the file `path` (.glb or .gltf by extension) and its side files. Changes the JSON of
+// the document where a buffer moves (uri, byteLength). If `side_names[i]` is not empty, buffer i becomes the
+// external file of that name. Throws Error{bad_argument} if a .glb would exceed 4 GiB.
 DocumentFiles lay_out(GltfDocument& document, const std::string& path,
                       const std::vector<std::string>& side_names);
 

@@ -1,4 +1,4 @@
-// Implements edit.h.
+// Implements edit.h: appends and removes accessors, buffer views and bytes, and finds which bytes are shared.
 #include "asset/gltf/edit.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace pellucid {
 namespace {
 
-// Returns json[key] where it is an array; else an empty array.
+// Returns json[key] if it is an array, or else an empty array.
 const Json& array_in(const Json& json, const char* key) {
   static const Json kEmpty = Json::array();
   if (!json.is_object()) return kEmpty;
@@ -21,7 +21,7 @@ const Json& array_in(const Json& json, const char* key) {
   return found != json.end() && found->is_array() ? *found : kEmpty;
 }
 
-// Returns json[key] as an index; `fallback` where there is none.
+// Returns json[key] as an index, or `fallback` if there is none.
 std::uint64_t index_in(const Json& json, const char* key, std::uint64_t fallback) {
   if (!json.is_object()) return fallback;
   const auto found = json.find(key);
@@ -33,7 +33,7 @@ const Json* extension_in(const Json& json, const char* name) {
   return &json["extensions"][name];
 }
 
-// Calls `visit(index)` for every value of `key` that is an index, anywhere under `json`. The parser bounds
+// Calls `visit(index)` for every value of `key` that is an index, anywhere under `json`. The parser limits
 // the depth of a document.
 template <class Visit>
 void for_each_index(const Json& json, const char* key, const Visit& visit) {
@@ -82,7 +82,7 @@ Json range_json(const DocumentEditor::Range& range) {
   return json;
 }
 
-// Returns the ranges of a view: its own and, where it is compressed, that of the compressed bytes.
+// Returns the ranges of a view: its own and, if it is compressed, that of the compressed bytes.
 std::vector<const Json*> ranges_of(const Json& view) {
   std::vector<const Json*> ranges{&view};
   for (const char* name : {kMeshoptExtension, kKhrMeshoptExtension}) {
@@ -109,8 +109,8 @@ void count_view_references(const Json& json, std::map<std::uint64_t, std::uint64
   }
 }
 
-// Returns 1 for every accessor that is used as an index array once and never as anything else; 0 or more than
-// 1 for all others.
+// Returns 1 for every accessor that is used once as an index array and never as anything else, and another
+// number for all others.
 std::vector<std::uint32_t> count_references(const Fields& root) {
   std::vector<std::uint32_t> references(root.size("accessors"), 0);
   const auto add = [&](const Json& value, std::uint32_t weight) {
@@ -130,14 +130,14 @@ std::vector<std::uint32_t> count_references(const Fields& root) {
   return references;
 }
 
-// Returns the size of an index; 0 for a component type that indices cannot have.
+// Returns the size of an index, or 0 for a component type that indices cannot have.
 std::uint64_t bytes_of_index(std::uint64_t component_type) {
   const bool is_unsigned =
       component_type == unsigned_byte || component_type == unsigned_short || component_type == unsigned_int;
   return is_unsigned ? bytes_of(component_type) : 0;
 }
 
-// Returns the accessor's own bytes where it is a plain index array; nothing where it is anything else.
+// Returns the bytes of the accessor if it is a plain index array, and nothing otherwise.
 std::optional<Claim> plain_index_claim(const Fields& root, const Fields& accessor, std::uint64_t id) {
   const auto view_index = accessor.find_index("bufferView");
   if (!view_index || *view_index >= root.size("bufferViews")) return std::nullopt;
@@ -149,8 +149,8 @@ std::optional<Claim> plain_index_claim(const Fields& root, const Fields& accesso
   return Claim{view.index("buffer"), begin, begin + accessor.index("count") * bytes, id};
 }
 
-// Returns one claim per plain index accessor of a view, and the whole view where anything else refers to it
-// too.
+// Returns one claim per plain index accessor of a view, and one for the whole view if anything else also
+// refers to it.
 std::vector<Claim> collect_claims(const Fields& root) {
   std::map<std::uint64_t, std::uint64_t> references;
   count_view_references(root.json(), references);
@@ -357,7 +357,8 @@ std::uint64_t DocumentEditor::used_end(std::uint64_t buffer) const {
   return end;
 }
 
-// Shortens buffers by the ranges of views that are gone, last one first, as long as these end the buffers.
+// Shortens buffers by the ranges of removed views, the last one first, as long as these are at the end of the
+// buffers.
 void DocumentEditor::cut_off(const std::vector<Json>& popped_views) {
   std::set<std::uint64_t> touched;
   for (const Json& view : popped_views) {
@@ -378,7 +379,7 @@ void DocumentEditor::cut_off(const std::vector<Json>& popped_views) {
   pop_buffers({touched.begin(), touched.end()});
 }
 
-// Removes buffers that held nothing but orders and are empty now.
+// Removes buffers that held only orders and are now empty.
 void DocumentEditor::pop_buffers(const std::vector<std::uint64_t>& removable) {
   for (auto last = removable.rbegin(); last != removable.rend(); ++last) {
     const GltfBuffer& buffer = document_.buffers[*last];
@@ -413,7 +414,7 @@ std::vector<bool> exclusive_index_accessors(const GltfDocument& document) {
   });
 
   std::vector<bool> exclusive(references.size(), false);
-  std::uint64_t covered = 0;  // furthest end of the claims before this one, in its buffer
+  std::uint64_t covered = 0;  // the largest end of earlier claims in the same buffer
   for (std::size_t i = 0; i < claims.size(); ++i) {
     const Claim& claim = claims[i];
     if (i > 0 && claims[i - 1].buffer != claim.buffer) covered = 0;

@@ -1,6 +1,6 @@
-// Internal to the module `asset`: changes to a glTF document that leave everything else where it is. In: a
-// document. Out: the document with accessors, buffer views and bytes appended or overwritten. They are only
-// ever appended at the end or removed from the end, so that no index in the file changes.
+// Internal to the module `asset`: changes to a glTF document that leave everything else in place. In: a
+// document. Out: the document with accessors, buffer views and bytes appended, removed or overwritten.
+// Entries are only appended or removed at the end of their arrays, so no index in the file changes.
 #pragma once
 
 #include <cstdint>
@@ -34,18 +34,18 @@ class DocumentEditor {
   [[nodiscard]] GltfDocument& document() { return document_; }
   [[nodiscard]] Json& primitive(std::uint32_t mesh, std::uint32_t index);
 
-  // Returns the buffer that new data goes to: the first one, or a new one where the first has no bytes.
+  // Returns the buffer for new data: the first one, or a new one if the first has no bytes.
   std::uint64_t host_buffer();
   std::uint64_t append_buffer(BufferStorage storage);
-  // Bytes at the end of a buffer, aligned to 4. `padding` (0 to 3) zeros stand before them. The number is
-  // recorded in the extras of the view that refers to the bytes, so that they can be removed again exactly.
+  // Bytes at the end of a buffer, aligned to 4, after `padding` zeros (0 to 3). The padding is recorded in
+  // the extras of the view that refers to the bytes, so that they can be removed again exactly.
   struct Range {
     std::uint64_t buffer, offset, length, padding;
   };
   Range append_bytes(std::uint64_t buffer, const Bytes& bytes);
   std::uint64_t append_view(const Range& range);
-  // Appends a view whose bytes lie compressed at `compressed` (EXT_meshopt_compression, mode INDICES) and
-  // uncompressed at `fallback`.
+  // Appends a view whose bytes are stored compressed at `compressed` (EXT_meshopt_compression, mode INDICES)
+  // and uncompressed at `fallback`.
   std::uint64_t append_compressed_view(const Range& fallback, const Range& compressed, ComponentWidth width);
   std::uint64_t append_accessor(std::uint64_t view, std::uint64_t offset, ComponentWidth width,
                                 std::uint64_t count);
@@ -54,9 +54,9 @@ class DocumentEditor {
   // Overwrites bytes of a buffer.
   void overwrite(std::uint64_t buffer, std::uint64_t offset, const Bytes& bytes);
 
-  // Removes the order extension from every primitive, with its accessors, views, bytes and buffers where they
-  // are the last ones of the file. What another program has moved away from the end stays in the file,
-  // unused.
+  // Removes the order extension from every primitive, with its accessors, views, bytes and buffers if they
+  // are the last ones of the file. If another program has moved them away from the end, they stay in the
+  // file, unused.
   void remove_orders();
 
   void declare_extension(const char* name);
@@ -76,16 +76,16 @@ class DocumentEditor {
   std::vector<std::shared_ptr<Bytes>> owned_;  // mutable copies of buffers, made on the first change
 };
 
-// Returns for each accessor of a document whether it may be overwritten in place: exactly one primitive draws
-// with it as its indices, nothing else refers to it, and no other view or accessor shares a byte with it.
-// Sparse, compressed and strided accessors never qualify.
+// Returns for each accessor of a document whether it may be overwritten in place. It may if exactly one
+// primitive uses it, as its indices, nothing else refers to it, and no other view or accessor shares a byte
+// with it. Sparse, compressed and strided accessors never qualify.
 std::vector<bool> exclusive_index_accessors(const GltfDocument& document);
 
-// Gives `json`, the primitive in the editor's document that `primitive` was read from, accessors of its own.
-// They hold the old vertices and, after them, primitive.new_vertices with interpolated attributes. The
-// accessors that were there stay, because others may use them. Component types and flags stay as they are,
-// except that quantised positions become floats: a new vertex that is off its plane would cause new
-// intersections.
+// Gives a primitive that was split accessors of its own. They hold the old vertices and, after them,
+// primitive.new_vertices with interpolated attributes. `json` is the primitive in the document of the editor
+// from which `primitive` was read. The old accessors stay, because others may use them. Component types and
+// flags stay as they are, with one exception: quantised positions become floats, because a new vertex that is
+// off its plane would cause new intersections.
 void append_split_vertices(DocumentEditor& editor, Json& json, const Primitive& primitive);
 
 }  // namespace pellucid

@@ -1,4 +1,4 @@
-// Implements json_fields.h.
+// Implements json_fields.h: look-ups in JSON objects that fail with the place in the file.
 #include "asset/gltf/json_fields.h"
 
 #include <cmath>

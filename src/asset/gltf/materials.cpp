@@ -1,4 +1,4 @@
-// Reads the materials of a model: see pellucid/material.h.
+// Implements pellucid/material.h for glTF and OBJ: reads materials, textures and vertex colours of a model.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -73,8 +73,8 @@ class MaterialReader {
     if (!look.texcoords.empty()) look.texture = use->texture;
   }
 
-  // Light passes through a transmissive surface whatever its alpha mode is, so it is blended, with some
-  // opacity left.
+  // A transmissive surface lets light through whatever its alpha mode is. It is therefore blended, and keeps
+  // some opacity.
   static void let_light_through(const Fields& material, PrimitiveLook& look) {
     constexpr double kLeastOpacity = 0.15;
     const auto extension = material.extension("KHR_materials_transmission");
@@ -85,7 +85,7 @@ class MaterialReader {
     look.base_color[3] *= static_cast<float>(std::max(1 - factor, kLeastOpacity));
   }
 
-  // Returns the values of an attribute of `fields`, one per vertex; nothing where it is missing.
+  // Returns the values of an attribute of `fields`, one per vertex, and nothing if it is missing.
   std::vector<float> read_attribute(const Fields& fields, const std::string& name, std::size_t vertices,
                                     std::uint64_t& components) {
     const auto accessor = fields.object("attributes").find_index(name.c_str());
@@ -267,7 +267,7 @@ class MaterialReader {
   AccessorReader accessors_;
   std::uint64_t texels_left_;
   Materials result_;
-  // By their numbers in the file; nothing where they cannot be read.
+  // Indexed by their numbers in the file; empty if they cannot be read.
   std::map<std::uint64_t, std::optional<std::uint32_t>> textures_, images_;
 };
 

@@ -1,4 +1,4 @@
-// Implements minimal_document.h.
+// Implements minimal_document.h: writes meshes, materials and nodes as JSON and buffers.
 #include "asset/gltf/minimal_document.h"
 
 #include <algorithm>
@@ -163,7 +163,7 @@ class MinimalDocument {
     if (primitive.mesh.normals.size() == primitive.mesh.positions.size()) {
       json["attributes"]["NORMAL"] = add_vectors(unit_normals(primitive.mesh.normals), false);
     }
-    // Without triangles, the primitive is written as points.
+    // A primitive without triangles is written as points.
     if (written.base.empty()) {
       json["mode"] = 0;
     } else {

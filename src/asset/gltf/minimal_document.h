@@ -1,5 +1,5 @@
-// Internal to the module `asset`: glTF documents for models of other formats. In: a model and the draw order
-// of each primitive. Out: a document, and where each primitive lies in it.
+// Internal to the module `asset`: makes glTF documents for models of other formats. In: a model and the draw
+// order of each primitive. Out: a document, and where each primitive is in it.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace pellucid {
 
-// Where a primitive of a model lies in a document, and in which order its triangles are drawn there.
+// Where a primitive of a model is in a document, and in which order its triangles are stored there.
 struct WrittenPrimitive {
   bool present = false;  // false: it has no vertices, which glTF cannot express
   std::uint32_t mesh = 0, index = 0;

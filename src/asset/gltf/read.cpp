@@ -1,9 +1,9 @@
 // Reads glTF 2.0 (.gltf and .glb) as a Model: primitives of any topology, material flags, orders, instances
 // and notes.
 //
-// tinygltf is not used, because the document must come out again as it was. tinygltf keeps only what it knows
-// and checks few of the bounds that hostile files break, and it would parse the file a second time, because
-// writing needs the whole document.
+// tinygltf is not used, because the document must be written again as it was. tinygltf keeps only what it
+// knows and checks few of the bounds that hostile files break. It would also parse the file a second time,
+// because writing needs the whole document.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -66,7 +66,7 @@ std::vector<std::uint32_t> read_corners(const Fields& primitive, AccessorReader&
   return corners;
 }
 
-// Makes normals unit length, as Mesh promises. Quantised normals are only nearly so.
+// Makes normals unit length, as Mesh promises. Quantised normals have only approximately unit length.
 void normalize(std::vector<Vec3f>& normals) {
   for (Vec3f& normal : normals) normal = to_float(normalized(to_double(normal)));
 }
@@ -98,7 +98,7 @@ AlphaMode parse_alpha_mode(const Fields& material) {
 void read_material(const Fields& root, const Fields& fields, Primitive& primitive) {
   primitive.alpha_mode = AlphaMode::opaque;
   primitive.double_sided = false;
-  primitive.has_material = true;  // without one it has glTF's default
+  primitive.has_material = true;  // also without a material, because glTF defines a default
   const auto index = fields.find_index("material");
   if (!index) return;
   const Fields material = root.element("materials", *index);
@@ -111,15 +111,15 @@ void read_material(const Fields& root, const Fields& fields, Primitive& primitiv
   }
 }
 
-// Returns the mode of a primitive; 4 (triangles) where it has none.
+// Returns the mode of a primitive, or 4 (triangles) if it has none.
 std::uint64_t primitive_mode(const Fields& primitive) {
   const std::uint64_t mode = primitive.index_or("mode", triangle_list);
   if (mode > last_mode) primitive.fail("mode " + std::to_string(mode) + " does not exist");
   return mode;
 }
 
-// `fields` is meshes[mesh].primitives[index], `root` the whole document. Fills all of the primitive except
-// mesh_index, primitive_index, name, and `deforms` for skins.
+// Reads a primitive. `fields` is meshes[mesh].primitives[index], `root` the whole document. Fills all members
+// except mesh_index, primitive_index, name, and `deforms` for skins.
 Primitive read_primitive(const Fields& root, const Fields& fields, AccessorReader& accessors) {
   Primitive primitive;
   const std::uint64_t mode = primitive_mode(fields);
@@ -144,10 +144,10 @@ Primitive read_primitive(const Fields& root, const Fields& fields, AccessorReade
   return primitive;
 }
 
-// A mesh of many primitives under many nodes gives very many instances.
+// Limits the instances, because many primitives under many nodes multiply.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 20U;
 
-// Extensions that change the data that pellucid reads, and that it understands.
+// Extensions that pellucid understands and that change the data it reads.
 constexpr std::array kUnderstood = {kOrderExtension, kMeshoptExtension, kKhrMeshoptExtension,
                                     "KHR_mesh_quantization"};
 
@@ -260,7 +260,7 @@ Model read_gltf(const std::string& path, const ReadOptions& options) {
   return GltfModelReader(path, options).read();
 }
 
-// Returns whether it is a .glb, which names itself, or JSON, which begins with a brace.
+// Returns whether the file is a .glb, which identifies itself, or JSON, which begins with a brace.
 bool begins_as_gltf(std::string_view bytes) {
   if (bytes.starts_with("glTF")) return true;
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);

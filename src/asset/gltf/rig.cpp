@@ -1,5 +1,5 @@
-// Reads what moves a glTF model, see pellucid/animation.h: nodes, skins, joints and morph targets of
-// primitives, and animations. Format: glTF 2.0, sections 3.5, 3.7 and 3.11, and appendix C.
+// Implements pellucid/animation.h: reads nodes, skins, joints, morph targets and animations of a glTF model.
+// Format: glTF 2.0, sections 3.5, 3.7 and 3.11, and appendix C.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -84,11 +84,11 @@ RigPrimitive read_deformation(const Fields& fields, std::uint64_t vertices, Acce
   return primitive;
 }
 
-// How the values of an animated path lie in an accessor.
+// How the values of an animated path are stored in an accessor.
 struct ValueForm {
   const char* type;
   std::uint32_t width;              // numbers per value
-  std::uint32_t elements_of_value;  // of the accessor
+  std::uint32_t elements_of_value;  // elements of the accessor per value
 };
 
 std::optional<AnimatedPath> path_of(const std::string& name) {
@@ -147,7 +147,8 @@ class AnimationReader {
         {static_cast<std::uint32_t>(*node), *path, find_curve(sampler, form_of(*path, moved))});
   }
 
-  // Samplers of all animations may share accessors, so each pair of accessors is read once.
+  // Returns the curve of a sampler. Samplers of all animations may share accessors, so each pair of accessors
+  // is read once.
   std::uint32_t find_curve(const Fields& sampler, const ValueForm& form) {
     const Interpolation interpolation = interpolation_of(sampler);
     const std::uint64_t input = sampler.index("input");
@@ -338,7 +339,7 @@ class RigReader {
     }
   }
 
-  // How many joints there are is known only where a node combines a mesh with a skin.
+  // Checks joint indices. The number of joints is known only after a node combines a mesh with a skin.
   void check_joints() const {
     std::vector<std::uint64_t> most(rig_.primitives.size(), 0);
     for (std::size_t p = 0; p < most.size(); ++p) {
@@ -377,7 +378,7 @@ VertexJoints normalized(VertexJoints joints) {
   double sum = 0;
   for (std::size_t k = 0; k < kJointsOfVertex; ++k) {
     sum += joints.weights[k];
-    // Exporters may leave any number in joints that have no weight.
+    // Exporters may leave any number as the joint of an entry without weight.
     if (joints.weights[k] > 0) pairs[k] = {joints.weights[k], joints.joints[k]};
   }
   if (!(sum > 0)) return {{}, {1.0F}};

@@ -1,4 +1,4 @@
-// Implements scene.h and read_cameras() of pellucid/asset.h. Format: glTF 2.0, sections 3.5 and 3.10.
+// Implements scene.h, and read_cameras() of pellucid/asset.h. Format: glTF 2.0, sections 3.5 and 3.10.
 #include "asset/gltf/scene.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace pellucid {
 namespace {
 
-// Returns a * b, of column-major matrices: b is applied first.
+// Returns a * b for column-major matrices, which applies b first.
 Mat4 multiply(const Mat4& a, const Mat4& b) {
   Mat4 product;
   for (std::size_t column = 0; column < 4; ++column) {
@@ -66,8 +66,8 @@ Mat4 local_matrix(const Fields& node) {
   return local;
 }
 
-// Returns the parent of every node. Fails where a node has two parents. Where each has at most one, a cycle
-// cannot be reached from any root.
+// Returns the parent of every node. Fails if a node has two parents. If each has at most one, no cycle can be
+// reached from a root.
 std::vector<std::uint64_t> find_parents(const Fields& root) {
   const std::uint64_t count = root.size("nodes");
   std::vector<std::uint64_t> parents(count, kNoParent);
@@ -87,7 +87,7 @@ std::vector<std::uint64_t> find_parents(const Fields& root) {
 }
 
 void refuse_cycles(const Fields& root, const std::vector<std::uint64_t>& parents) {
-  // Climb from every node to its root. Nodes that are known to end at a root stop the climb, so each is
+  // Climb from every node to its root. Nodes that are known to end at a root stop the climb, so each node is
   // visited once.
   enum : std::uint8_t { unknown, climbing, ends_at_root };
   std::vector<std::uint8_t> state(parents.size(), unknown);

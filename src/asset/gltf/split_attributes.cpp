@@ -1,5 +1,5 @@
-// Interpolates the attributes of vertices that splitting adds: see append_split_vertices in edit.h. Format:
-// glTF 2.0, section 3.7.2.
+// Implements append_split_vertices() of edit.h: interpolates the attributes of vertices that splitting adds.
+// Format: glTF 2.0, section 3.7.2.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,14 +17,14 @@ namespace {
 
 using Elements = AccessorReader::Elements;
 
-// What an attribute's values mean. It decides how they are interpolated.
+// The meaning of the values of an attribute, which decides how they are interpolated.
 enum class Meaning {
-  position,  // of the split mesh
+  position,  // taken from the split mesh
   linear,    // texture coordinates, colours, displacements of morph targets
-  normal,    // linear, then of unit length
-  tangent,   // the same for x, y, z; w is a sign
-  nearest,   // names, which cannot be mixed (features, joints without weights), and all that has no known
-             // meaning
+  normal,    // linear, then normalised
+  tangent,   // as a normal for x, y, z; w is a sign
+  // Not interpolated: ids (features, joints without weights) and values without a known meaning.
+  nearest,
 };
 
 Meaning meaning_of(std::string_view name, bool in_target, const Elements& elements) {
@@ -68,7 +68,7 @@ void append_mean(Elements& e, Meaning meaning, const SplitVertex& vertex) {
   if (meaning == Meaning::normal || meaning == Meaning::tangent) {
     const std::size_t nearest = heaviest_source(vertex);
     Vec3d unit = normalized(Vec3d{mean[0], mean[1], mean[2]});
-    // Opposite directions have no mean, so the nearest one is taken.
+    // Opposite directions have no mean, so the nearest one is used.
     if (unit == Vec3d{})
       unit = {component(e, nearest, 0), component(e, nearest, 1), component(e, nearest, 2)};
     mean[0] = unit.x;
@@ -100,8 +100,8 @@ void append_vertices(Elements& e, Meaning meaning, const Primitive& primitive) {
   }
 }
 
-// Mixes all JOINTS_n and WEIGHTS_n of a primitive. Of all joints that its sources follow, a new vertex
-// follows those that weigh most, as many as there is room for. Their weights are scaled to sum up to 1.
+// Mixes all JOINTS_n and WEIGHTS_n of a primitive. A new vertex follows the heaviest of all joints that its
+// sources follow, as many as the attributes can store. Their weights are scaled to sum up to 1.
 class SkinMixer {
  public:
   SkinMixer(std::vector<Elements>& joints, std::vector<Elements>& weights)
@@ -155,7 +155,7 @@ class SkinMixer {
     return influences;
   }
 
-  // Quantised weights must sum up to 1 as they are stored, so the heaviest takes what rounding leaves.
+  // Quantised weights must sum up to 1 as they are stored, so the heaviest weight absorbs the rounding error.
   void round_to_whole(std::vector<Influence>& influences) const {
     if (weights_.front().component_type == single_float) return;
     const double steps = weights_.front().component_type == unsigned_byte ? 255 : 65535;
@@ -214,7 +214,7 @@ class VertexAppender {
   }
 
  private:
-  // Nothing has checked the attributes that pellucid does not read.
+  // Attributes that pellucid does not read have not been checked before.
   [[nodiscard]] std::uint64_t accessor_of(const Json& attribute, const std::string& name) const {
     const auto index = as_index(attribute);
     if (!index)
@@ -223,7 +223,7 @@ class VertexAppender {
     return *index;
   }
 
-  // Reads an attribute, which has an element for each of the old vertices.
+  // Reads an attribute, which must have one element for each of the old vertices.
   Elements read(std::uint64_t accessor) {
     Elements elements = reader_.read_elements(accessor);
     const std::size_t vertices = primitive_.mesh.positions.size() - primitive_.new_vertices->size();
@@ -237,7 +237,7 @@ class VertexAppender {
   std::uint64_t extended(const std::string& name, bool in_target, std::uint64_t accessor) {
     Elements elements = read(accessor);
     const Meaning meaning = meaning_of(name, in_target, elements);
-    // Attributes that share an accessor and have the same meaning go on sharing it.
+    // Attributes that share an accessor and have the same meaning continue to share one.
     const auto [known, fresh] = extended_.try_emplace({accessor, meaning}, 0);
     if (!fresh) return known->second;
     append_vertices(elements, meaning, primitive_);
@@ -245,7 +245,7 @@ class VertexAppender {
     return known->second;
   }
 
-  // Joints and their weights are extended together.
+  // Extends joints and weights together.
   void append_skin() {
     std::vector<std::string> names;
     std::vector<Elements> joints;

@@ -1,4 +1,4 @@
-// Implements uris.h.
+// Implements uris.h: base64, percent-encoding and the checks of relative references.
 #include "asset/gltf/uris.h"
 
 #include <array>
@@ -19,7 +19,8 @@ constexpr std::array<std::uint8_t, 256> base64_values() {
   return values;
 }
 
-// Padding is optional, as in browsers. Any other character out of place makes the text malformed.
+// Decodes base64. Padding is optional, as in browsers. Any other character out of place makes the text
+// malformed.
 std::optional<Bytes> decode_base64(std::string_view text) {
   static constexpr auto kValues = base64_values();
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
@@ -48,7 +49,7 @@ std::optional<unsigned> hex_digit(char c) {
   return std::nullopt;
 }
 
-// "scheme:" before any '/', '?' or '#'.
+// Returns whether "scheme:" comes before any '/', '?' or '#'.
 bool has_scheme(std::string_view uri) {
   const std::size_t colon = uri.find(':');
   return colon != std::string_view::npos && uri.find_first_of("/?#") > colon;

@@ -1,5 +1,5 @@
-// Internal to the module `asset`: the two kinds of URI that a glTF may hold, which are data: URIs with base64
-// and relative references (RFC 3986). Converts both ways.
+// Internal to the module `asset`: converts the two kinds of URI that a glTF may hold in both directions. They
+// are data: URIs with base64, and relative references (RFC 3986).
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ constexpr std::size_t kLongestUri = 100;
 
 bool is_data_uri(std::string_view uri);
 
-// Returns the payload of a base64 data: URI; nothing where it is malformed.
+// Returns the payload of a base64 data: URI, or nothing if it is malformed.
 std::optional<Bytes> decode_data_uri(std::string_view uri);
 std::string encode_data_uri(const Bytes& bytes);
 

@@ -1,4 +1,5 @@
-// Writes models as glTF with their orders: see write_model in pellucid/asset.h, and docs/file-format.md.
+// Implements write_model() of pellucid/asset.h: writes models as glTF with their orders
+// (docs/file-format.md).
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
@@ -13,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Extensions of a primitive that do not depend on the order of its triangles. Our own is written anew.
+// Extensions of a primitive that do not depend on the order of its triangles. The order extension is among
+// them because it is written anew.
 constexpr std::array kOrderFreeExtensions = {kOrderExtension, "KHR_materials_variants", "EXT_mesh_features",
                                              "EXT_structural_metadata", "CESIUM_primitive_outline"};
 
@@ -49,7 +51,7 @@ class ModelWriter {
   }
 
  private:
-  // Returns the file's own document, or a new one for other formats. Also sorts `ordered` by primitive, so
+  // Returns the document of the file, or a new one for other formats. Also sorts `ordered` by primitive, so
   // that the same orders give the same bytes.
   GltfDocument make_document(const std::vector<OrderedPrimitive>& ordered) {
     for (const OrderedPrimitive& entry : ordered) ordered_.push_back(&entry);
@@ -75,8 +77,8 @@ class ModelWriter {
     return *model_.document;
   }
 
-  // Returns the base sequence and after it the triangles that it leaves out because they draw nothing, so
-  // that none is lost.
+  // Returns the base order, followed by the triangles that it leaves out because they draw nothing, so that
+  // no triangle is lost.
   std::vector<std::uint32_t> complete_base(const OrderedPrimitive& entry) const {
     std::vector<std::uint32_t> base = entry.orders.base_sequence;
     std::vector<bool> listed(model_.primitives[entry.primitive].mesh.triangles.size(), false);
@@ -95,7 +97,8 @@ class ModelWriter {
     }
   }
 
-  // Called before orders are written, so that orders end the file and can be removed again.
+  // Writes the base orders. Called before orders are written, so that orders are at the end of the file and
+  // can be removed again.
   void write_bases() {
     const std::vector<bool> exclusive = exclusive_index_accessors(editor_.document());
     std::vector<const OrderedPrimitive*> entries(model_.primitives.size(), nullptr);
@@ -125,7 +128,7 @@ class ModelWriter {
     for (const std::uint32_t triangle : base) {
       indices.insert(indices.end(), mesh.triangles[triangle].begin(), mesh.triangles[triangle].end());
     }
-    // New vertices may have numbers that the file's own index type cannot hold.
+    // New vertices may have numbers that the index type of the file cannot hold.
     if (json.contains("indices") && !primitive.new_vertices) {
       const auto id = json["indices"].get<std::uint64_t>();
       const Json& accessor = editor_.document().json["accessors"][id];
@@ -146,8 +149,8 @@ class ModelWriter {
     json["indices"] = editor_.append_accessor(view, 0, width, indices.size());
   }
 
-  // Patches are runs of primitive.indices in the order of the set. Where primitive.indices must not change,
-  // orders are stored as indices.
+  // Returns the encoding of a set. Patches are runs of primitive.indices in the order of the set, so if
+  // primitive.indices must not change, orders are stored as indices.
   [[nodiscard]] OrderEncoding encoding_of(const OrderSet& set, const Json& primitive) const {
     const bool kept = set.purpose == OrderPurpose::overdraw && !order_may_change(primitive);
     return kept ? OrderEncoding::indices : options_.encoding;
@@ -187,8 +190,8 @@ class ModelWriter {
       report_.file_bytes += bytes.size();
     }
 
-    // The main file comes last, so that all that it names is there once it is. Where that fails, new side
-    // files are removed again.
+    // The main file is written last, so that everything it names exists by then. If writing it fails, new
+    // side files are removed again.
     std::vector<std::string> created;
     try {
       for (const auto& [name, bytes] : files.side_files) {

@@ -1,4 +1,4 @@
-// Checks the order sets that a caller wants to write: see order_extension.h.
+// Implements check_orders() of order_extension.h: checks the order sets that a caller wants to write.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -91,7 +91,8 @@ class OrderCheck {
     check_animations_differ();
   }
 
-  // No order draws a triangle twice (check_order), and the base does not hold one twice (check_base).
+  // Checks that every order is a permutation. check_order() and check_base() have excluded triangles that
+  // occur twice.
   void check_permutations() const {
     std::vector<bool> in_base(primitive_.mesh.triangles.size(), false);
     for (const std::uint32_t triangle : set_.base_sequence) in_base[triangle] = true;
@@ -109,7 +110,7 @@ class OrderCheck {
         std::adjacent_find(offsets.begin(), offsets.end(), std::greater_equal<>()) != offsets.end()) {
       fail("the patch offsets do not rise strictly from 0 to the length of the base sequence");
     }
-    // A triangle that does not follow its predecessor of the base must begin a patch.
+    // A triangle that does not follow its predecessor in the base order must begin a patch.
     std::vector<std::uint32_t> position(primitive_.mesh.triangles.size(), 0);
     for (std::uint32_t i = 0; i < set_.base_sequence.size(); ++i) position[set_.base_sequence[i]] = i;
     std::vector<bool> begins_patch(set_.base_sequence.size() + 1, false);

@@ -1,6 +1,6 @@
-// Internal to the module `asset`: the glTF extension PELLUCID_mesh_primitive_view_orders
-// (docs/file-format.md), its JSON and its arrays. In: the extension of a primitive, or an order set. Out: the
-// other of the two, checked.
+// Internal to the module `asset`: the JSON and arrays of the glTF extension
+// PELLUCID_mesh_primitive_view_orders (docs/file-format.md). Reading turns the extension of a primitive into
+// an order set, and writing does the opposite. Both check everything.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +23,20 @@ struct StoredOrders {
   std::optional<OrderErrorRecord> error;
 };
 
-// Reads the order set of a primitive. `extension` is its extension object, `mesh` its triangles, `animations`
-// the number of animations of the file. Checks everything; throws Error{bad_input} naming the primitive.
+// Reads and checks the order set of a primitive. `extension` is its extension object, `mesh` has its
+// triangles, and `animations` is the number of animations of the file. Throws Error{bad_input} that names the
+// primitive.
 StoredOrders read_order_extension(const Fields& extension, const Mesh& mesh, AccessorReader& accessors,
                                   std::uint64_t animations);
 
-// Checks that `ordered` are order sets of `model`. Throws Error{bad_argument} naming the primitive and the
-// reason.
+// Checks that `ordered` are order sets of `model`. Throws Error{bad_argument} that names the primitive and
+// the reason.
 void check_orders(const Model& model, const std::vector<OrderedPrimitive>& ordered);
 
 // Indices of the accessors that hold an order set's arrays.
 struct OrderAccessors {
   std::uint64_t cell_orders = 0;
-  std::vector<std::optional<std::uint64_t>> orders;  // empty: an order that draws nothing
+  std::vector<std::optional<std::uint64_t>> orders;  // empty for an order that draws nothing
   OrderEncoding encoding = OrderEncoding::indices;
   std::optional<std::uint64_t> patch_offsets;
   struct KeyFrames {
@@ -47,7 +48,7 @@ struct OrderAccessors {
 // Appends the arrays of order sets to a document: orders, patches, cell tables, key frames.
 class OrderArrayWriter {
  public:
-  // Side files are called after `stem`: STEM.orders.bin.
+  // The side files are named after `stem`: STEM.orders.bin.
   OrderArrayWriter(DocumentEditor& editor, const WriteOptions& options, std::string stem)
       : editor_(editor), options_(options), stem_(std::move(stem)) {}
 
@@ -58,7 +59,7 @@ class OrderArrayWriter {
 
   // Returns the bytes stored so far, without fallback copies.
   [[nodiscard]] std::uint64_t order_bytes() const { return order_bytes_; }
-  // Returns the name of the side file that each buffer becomes; empty where it becomes none.
+  // Returns the name of the side file that each buffer becomes, and an empty name for the others.
   [[nodiscard]] const std::vector<std::string>& side_names() const { return side_names_; }
 
  private:

@@ -1,4 +1,4 @@
-// Reads and checks the order extension: see order_extension.h.
+// Implements read_order_extension() of order_extension.h: reads and checks the order extension.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,13 +15,13 @@
 namespace pellucid {
 namespace {
 
-// Returns the lexicographically smallest of the three rotations. It is unique, also where corners repeat.
+// Returns the lexicographically smallest of the three rotations. It is unique, also if corners repeat.
 Triangle smallest_rotation(const Triangle& t) {
   return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}});
 }
 
 // Finds the nodes (facings of triangles) that index triples draw. (a b c), (b c a) and (c a b) are the same
-// facing. Building the table of T triangles takes O(T log T), a look-up O(log T) at worst.
+// facing. Building the table for T triangles takes O(T log T), a look-up at most O(log T).
 class FacingTable {
  public:
   // With Facing::single the table holds the stored facings only.
@@ -57,7 +57,7 @@ class FacingTable {
     for (const std::size_t entry : touched_) taken_[entry] = 0;
     touched_.clear();
   }
-  // Returns the next node that draws `corners` and was not taken in this order yet; nothing where none is
+  // Returns the next node that draws `corners` and was not taken in this order yet, or nothing if none is
   // left. Several nodes may have the same triple: duplicates, and the two facings of coincident triangles.
   // They come in the order of their triangles, stored facings before flipped ones.
   std::optional<NodeId> take(const Triangle& corners) {
@@ -84,8 +84,8 @@ class FacingTable {
   };
   std::vector<std::size_t> offsets_;  // first corner -> its entries; vertices + 1
   std::vector<Entry> entries_;        // sorted by (second, third, flipped, triangle) within a first corner
-  std::vector<std::uint32_t> taken_;  // at the first entry of equal triples: how many were taken
-  std::vector<std::size_t> touched_;  // where taken_ is not zero
+  std::vector<std::uint32_t> taken_;  // at the first entry of equal triples: the number of taken ones
+  std::vector<std::size_t> touched_;  // the entries of taken_ that are not zero
 };
 
 constexpr std::uint64_t kMaxSampleLevel = 4;
@@ -149,7 +149,7 @@ class OrderExtensionReader {
     if (!overdraw_ && extension_.has("keyframes")) extension_.fail("only overdraw orders have keyframes");
   }
 
-  // The coverage is informative: a value that is not known counts as samples.
+  // The coverage is informative. An unknown value counts as samples.
   static PartitionKind coverage_of(const Fields& partition) {
     const std::string coverage = partition.text_or("coverage", "samples");
     if (coverage == "triangle") return PartitionKind::view_triangles;
@@ -185,7 +185,7 @@ class OrderExtensionReader {
   void read_orders(OrderSet& set) {
     const std::uint64_t count = extension_.size("orders");
     if (count == 0) extension_.fail("it has no orders");
-    // Beside one order for each cell there can only be the fallback, except with key frames.
+    // There can be at most one order per cell, plus the fallback, except with key frames.
     if (!overdraw_ && count > triangle_count(set.partition.level) + 1)
       extension_.fail("it has more orders than view cells");
     std::optional<FacingTable> table;
@@ -213,7 +213,7 @@ class OrderExtensionReader {
     return static_cast<std::uint32_t>(rank);
   }
 
-  // Checked before anything is read. A valid order draws no node twice, so its length is bounded.
+  // Checked before anything is read. A valid order draws no node twice, so its length is limited.
   void check_length(const Fields& order, std::uint64_t accessor, std::uint64_t per_node) const {
     const std::uint64_t longest = 2 * mesh_.triangles.size() * per_node;
     if (accessors_.count(accessor) > longest) order.fail("it is longer than all facings of all triangles");
@@ -242,7 +242,7 @@ class OrderExtensionReader {
   }
 
   // Returns the patch offsets: patch p has the triangles patchOffsets[p] to patchOffsets[p + 1] - 1. Without
-  // patchOffsets every triangle is a patch.
+  // patchOffsets, every triangle is a patch.
   const std::vector<std::uint32_t>& patch_offsets() {
     if (!patch_offsets_.empty()) return patch_offsets_;
     const std::size_t triangles = mesh_.triangles.size();
@@ -290,7 +290,7 @@ class OrderExtensionReader {
                    std::to_string(patches));
       }
       const std::uint64_t patch = flipped ? id - patches : id;
-      // A few ids of large patches become many triangles.
+      // A few ids of large patches can become many triangles.
       if (offsets[patch + 1] > offsets[patch] + 1)
         accessors_.charge(order, offsets[patch + 1] - offsets[patch] - 1);
       for (std::uint32_t triangle = offsets[patch]; triangle < offsets[patch + 1]; ++triangle) {
@@ -323,8 +323,8 @@ class OrderExtensionReader {
     return per_corner ? orders_of_vertices(owner, stored, set.partition.level) : stored;
   }
 
-  // Turns one order per corner of each triangle into one per vertex, row by row. The corners of a vertex must
-  // agree.
+  // Converts one order per corner of each triangle into one per vertex, row by row. All corners at a vertex
+  // must agree.
   static std::vector<std::uint32_t> orders_of_vertices(const Fields& owner,
                                                        const std::vector<std::uint32_t>& corners,
                                                        std::uint32_t level) {
@@ -394,8 +394,8 @@ class OrderExtensionReader {
     }
   }
 
-  // For transparency the base holds all triangles. For overdraw it holds those of the orders, which must all
-  // hold the same ones.
+  // Reads the base order. For transparency it has all triangles. For overdraw it has the triangles of the
+  // orders, which must all have the same ones.
   void read_base(OrderSet& set) {
     std::vector<std::uint32_t>& base = set.base_sequence;
     base.resize(mesh_.triangles.size());
@@ -409,8 +409,8 @@ class OrderExtensionReader {
       for (const NodeId node : set.orders.front()) base.push_back(triangle_of(node));
       std::sort(base.begin(), base.end());
     }
-    // No order holds a triangle twice, so an order with as many triangles, all of them in the base, holds the
-    // base.
+    // No order has a triangle twice. An order with as many triangles as the base, all of them in the base,
+    // therefore has exactly those of the base.
     std::vector<bool> in_base(mesh_.triangles.size(), false);
     for (const std::uint32_t triangle : base) in_base[triangle] = true;
     for (std::size_t i = 0; i < set.orders.size(); ++i) {

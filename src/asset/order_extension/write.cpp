@@ -1,4 +1,4 @@
-// Writes the order extension: see order_extension.h.
+// Implements OrderArrayWriter and order_extension_json() of order_extension.h: writes the order extension.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -16,7 +16,7 @@ Bytes pack_floats(const std::vector<float>& values) {
   return pack(bits, ComponentWidth::four_bytes);
 }
 
-// Returns the vertex indices of an order, three a triangle.
+// Returns the vertex indices of an order, three per triangle.
 std::vector<std::uint32_t> corner_values(const NodeSequence& order, const Mesh& mesh) {
   std::vector<std::uint32_t> values;
   values.reserve(3 * order.size());
@@ -27,7 +27,7 @@ std::vector<std::uint32_t> corner_values(const NodeSequence& order, const Mesh& 
   return values;
 }
 
-// Numbers patches by their place in primitive.indices as written. Where `patch_offsets` is empty, every
+// Numbers patches by their position in primitive.indices as written. If `patch_offsets` is empty, every
 // triangle is a patch.
 class PatchNumbers {
  public:
@@ -50,7 +50,7 @@ class PatchNumbers {
         ids.push_back(at + (is_flipped(order[i]) ? triangles_ : 0));
         ++i;
       } else {
-        // An order is made of whole patches: `at` begins one.
+        // An order consists of whole patches, and `at` begins one.
         const auto patch = std::lower_bound(offsets_.begin(), offsets_.end(), at);
         ids.push_back(static_cast<std::uint32_t>(patch - offsets_.begin()));
         i += *(patch + 1) - *patch;
@@ -129,8 +129,8 @@ Json key_frames_json(const OrderSet& set, const OrderAccessors& accessors) {
   return tables;
 }
 
-// Returns the rows of a cell table as they are stored: one entry per view triangle; for P[n] one per corner
-// of each triangle of the icosphere, so that a reader needs no numbering of vertices.
+// Returns the rows of a cell table as they are stored: one entry per view triangle. For P[n] there is one per
+// corner of each triangle of the icosphere, so that a reader needs no numbering of vertices.
 std::vector<std::uint32_t> stored_cell_orders(const PartitionSpec& partition,
                                               std::span<const std::uint32_t> cell_orders) {
   if (has_triangle_cells(partition)) return {cell_orders.begin(), cell_orders.end()};
@@ -176,7 +176,7 @@ OrderAccessors OrderArrayWriter::write(const OrderSet& set, const Mesh& mesh,
   return accessors;
 }
 
-// All orders of a primitive lie in one view, so that a renderer can upload them as one buffer.
+// All orders of a primitive are in one view, so that a renderer can upload them as one buffer.
 void OrderArrayWriter::append_orders(const OrderSet& set,
                                      const std::vector<std::vector<std::uint32_t>>& stored,
                                      ComponentWidth width, OrderAccessors& accessors) {
@@ -223,7 +223,7 @@ std::uint64_t OrderArrayWriter::append_order_view(const std::vector<std::uint32_
   return editor_.append_compressed_view(editor_.append_bytes(fallback, bytes), stored, width);
 }
 
-// Returns a new accessor, or an earlier one of the same content.
+// Returns a new accessor, or an earlier one with the same content.
 std::uint64_t OrderArrayWriter::shared_accessor(const char* type, std::uint32_t component_type,
                                                 std::uint64_t count, const Bytes& bytes) {
   const auto [entry, is_new] = shared_.try_emplace({type, component_type, bytes}, 0);

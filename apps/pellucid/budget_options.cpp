@@ -1,4 +1,4 @@
-// Options of techniques with a pool or a memory budget: see budget_options.h.
+// Implements budget_options.h: options of techniques with a pool or a memory budget.
 #include "budget_options.h"
 
 #include <fmt/format.h>
@@ -58,14 +58,14 @@ void parse_focus(const std::string& text, ImportanceOptions& options) {
   }
 }
 
-// CLI::Range lets NaN pass.
+// Refuses NaN, which CLI::Range accepts.
 std::string is_a_number(const std::string& text) {
   return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is not a number" : "";
 }
 
 }  // namespace
 
-// Luma, not luminance: what is twice as bright in linear light is not twice as important.
+// Uses luma instead of luminance, because what is twice as bright in linear light is not twice as important.
 ImportanceImage read_importance(const std::string& path) {
   if (path.empty()) return {};
   const RgbaImage picture = read_image(path);
@@ -80,7 +80,7 @@ ImportanceImage read_importance(const std::string& path) {
 
 void add_budget_options(CLI::App& command, RenderOptions& options, std::string& image) {
   ImportanceOptions& importance = options.budget.importance;
-  // What `parse` refuses is reported as CLI11 reports it.
+  // Errors of `parse` are reported in the same way as those of CLI11.
   const auto add = [&](const std::string& name, const std::string& type, const std::string& description,
                        std::function<void(const std::string&)> parse) {
     command

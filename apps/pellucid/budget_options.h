@@ -1,4 +1,5 @@
-// Options of techniques with a pool or a memory budget (pellucid/memory_budget.h).
+// Options of techniques with a pool or a memory budget (pellucid/memory_budget.h). They are added to a
+// command and read into RenderOptions.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,14 +13,14 @@ namespace pellucid::cli {
 // Adds --pool, --device-memory, --overflow, --allocation, --importance and the parameters of its terms.
 // `image` receives the path of --importance-image, which read_importance() reads.
 void add_budget_options(CLI::App& command, RenderOptions& options, std::string& image);
-// Returns no bytes for an empty path. Throws as read_picture() does.
+// Reads an importance image. Returns an empty one for an empty path. Throws as read_image() does.
 ImportanceImage read_importance(const std::string& path);
 
-// Parses "35MB", "20MiB" or "4096" as bytes, in powers of ten or, with an i, of two. Throws
+// Parses "35MB", "20MiB" or "4096" as bytes. Units are powers of ten or, with an i, of two. Throws
 // Error{bad_argument}.
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
 
-// Writes importance.png, k.png and loss.png into `folder`, which is made. Throws Error{cannot_write}.
+// Writes importance.png, k.png and loss.png into `folder`, which is created. Throws Error{cannot_write}.
 void write_maps(const RenderResult& result, std::uint32_t samples, const std::string& folder);
 
 }  // namespace pellucid::cli

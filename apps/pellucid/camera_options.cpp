@@ -1,4 +1,4 @@
-// Cameras as text: see camera_options.h.
+// Implements camera_options.h: cameras as text.
 #include "camera_options.h"
 
 #include <fmt/format.h>
@@ -69,7 +69,7 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
 }
 
-// A number is all of the text.
+// Returns the number that the whole text is, and nothing for other texts.
 std::optional<double> number_in(const std::string& text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -77,7 +77,8 @@ std::optional<double> number_in(const std::string& text) {
   return whole ? std::optional(number) : std::nullopt;
 }
 
-// Names of cameras may have blanks in them: the time is what stands behind the last one, if it is a number.
+// Reads a line of --path. Names of cameras may contain blanks, so the time is what follows the last blank, if
+// that is a number.
 Shot shot_of(const std::string& line) {
   const std::size_t blank = line.find_last_of(kBlanks);
   if (blank != std::string::npos) {

@@ -1,4 +1,4 @@
-// Images by a capture technique: see capture_job.h.
+// Implements capture_job.h: draws images by a capture technique.
 #include "capture_job.h"
 
 #include <fmt/format.h>
@@ -27,12 +27,12 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-// One of the images that were asked for.
+// One of the requested images.
 struct Taken {
   std::string output, camera;
   double time = 0;
   CaptureStats stats;
-  nlohmann::ordered_json pixels;  // of --pixel
+  nlohmann::ordered_json pixels;  // for --pixel
 };
 
 void print_result(const CaptureJob& job, const std::string& device, const Taken& taken,
@@ -96,7 +96,7 @@ nlohmann::ordered_json to_json(const CaptureStats& stats, double pixels) {
           {"drawn_share", stats.drawn_share}};
 }
 
-// One image has its figures at the top, several have a list of them.
+// Returns the JSON. For one image the numbers are at the top level, for several they are in a list.
 nlohmann::ordered_json to_json(const CaptureJob& job, const std::string& device,
                                const std::vector<Taken>& taken, std::size_t triangles, double seconds) {
   const double pixels = static_cast<double>(job.width) * job.height;
@@ -131,7 +131,7 @@ bool any_deforms(const Model& model) {
                      [](const Primitive& p) { return p.deforms; });
 }
 
-// Takes the median times of more frames, in which nothing is counted.
+// Draws more frames, in which nothing is counted, and sets the times to their medians.
 void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera& camera, Renderer& renderer,
                       const Session& session, CaptureStats& stats) {
   options.statistics = false;
@@ -156,7 +156,7 @@ void take_times(std::vector<CaptureStats> frames, CaptureStats& stats) {
   stats.resolve_milliseconds = median_by(&CaptureStats::resolve_milliseconds).resolve_milliseconds;
   const CaptureStats& median = median_by(&CaptureStats::milliseconds);
   stats.milliseconds = median.milliseconds;
-  // Of `auto`, what it took then, and what that needs.
+  // For `auto`: the technique that it chose in these frames, and what that takes.
   if (median.chosen.empty()) return;
   stats.chosen = median.chosen;
   stats.reason = median.reason;
@@ -189,7 +189,7 @@ std::vector<Shot> shots_of(const CaptureJob& job) {
   return job.shots;
 }
 
-// The scene as it stands when it is drawn, and what is made of it for that.
+// The scene at one time, and what is made of it for drawing.
 class Stage {
  public:
   Stage(const CaptureJob& job, const Model& model)
@@ -202,7 +202,7 @@ class Stage {
     options_.budget.importance.image = read_importance(job.importance_image);
   }
 
-  // Throws as pose_scene() and make_render_scene() do.
+  // Poses the scene. Throws as pose_scene() and make_render_scene() do.
   void set(double time) {
     if (time_ && (*time_ == time || job_.animation.empty())) return;
     time_ = time;
@@ -218,7 +218,7 @@ class Stage {
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
-  // Null: on the CPU.
+  // Draws on the device, or on the CPU if `renderer` is null.
   RenderResult draw(const Camera& camera, Renderer* renderer, const Session& session) {
     if (!job_.ignore_orders) {
       std::vector<std::uint32_t> sequence = drawing_order(scene_, camera, pose_);
@@ -233,7 +233,7 @@ class Stage {
     return result;
   }
 
-  // What draw() drew, all of it.
+  // Draws the same with all fragments, including opaque and hidden ones.
   DeepImage draw_deep(const Camera& camera, Renderer* renderer, const Session& session) {
     const RenderOptions options = deep_options(options_);
     return make_deep_image(renderer == nullptr ? draw_reference(drawn_, camera, options)
@@ -260,7 +260,7 @@ void render_capture(const CaptureJob& job, Session& session) {
   const Stopwatch watch;
   const bool reference = job.options.technique == kReference;
   if (wants_fragments(job)) check_deep(job);
-  // A device that is not there is told before a large file is read.
+  // A missing device is reported before a large file is read.
   std::optional<Renderer> renderer;
   if (!reference) renderer.emplace(job.device);
   const std::vector<Shot> shots = shots_of(job);

@@ -1,4 +1,4 @@
-// Options of the subcommands that capture fragments: see capture_options.h.
+// Implements capture_options.h: options of the subcommands that capture fragments.
 #include "capture_options.h"
 
 #include <fmt/format.h>
@@ -82,7 +82,7 @@ void add_technique_options(CLI::App& command, CaptureJob& job) {
   refuse_old_option(command, "--validate", "--validation-layers");
 }
 
-// Options that some techniques use, by the group that says which (TechniqueInfo::groups).
+// An option that only some techniques use, and the group that says which (TechniqueInfo::groups).
 struct GroupOption {
   const char* option;
   OptionGroup group;
@@ -145,14 +145,14 @@ void refuse_capture_options_without_effect(const CLI::App& command, const Captur
   const auto any = [&](auto&& wanted) { return std::any_of(techniques.begin(), techniques.end(), wanted); };
   const bool has_budget = options.budget.bytes != 0 || sweeps_memory;
   const bool has_pool = options.pool.nodes != 0 || sweeps_memory;
-  // Within a memory budget k is what fits.
+  // With a memory budget, k is as large as fits.
   const bool uses_k = any([&](const TechniqueInfo& t) {
     return t.uses(OptionGroup::k) && (options.budget.bytes == 0 || !t.uses(OptionGroup::budget));
   });
   const bool can_overflow = any([&](const TechniqueInfo& t) {
     return t.uses(OptionGroup::overflow) && (t.uses(OptionGroup::pool) ? has_pool : has_budget);
   });
-  // `auto` takes variable-k within a budget only; variable-k always has one.
+  // `auto` chooses variable-k only with a memory budget. variable-k itself always has one.
   const bool uses_importance = any([&](const TechniqueInfo& t) {
     return t.uses(OptionGroup::importance) && (t.uses(OptionGroup::maps) || has_budget);
   });

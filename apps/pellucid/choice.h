@@ -1,4 +1,5 @@
-// Building blocks of options: named values, old names, and options that would have no effect.
+// Building blocks of options: options with named values, options with old names, and checks that options have
+// an effect.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -28,7 +29,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Value& value
   return command.add_option_function<std::string>(name, set, description)->type_name(names);
 }
 
-// Adds a hidden option of an old name, with or without a value. Using it is a usage error that names the new
+// Adds a hidden option with an old name, with or without a value. Its use is a usage error that names the new
 // option: "--views is called --partition here".
 inline void refuse_old_option(CLI::App& command, const std::string& old_name, const std::string& new_name) {
   command
@@ -41,7 +42,7 @@ inline void refuse_old_option(CLI::App& command, const std::string& old_name, co
       ->group("");
 }
 
-// A rule of a command: `option` does something only where `condition` holds. `reason` says why it does not.
+// A rule of a command: `option` has an effect only if `condition` holds. `reason` says why.
 struct Need {
   const char* option;
   bool condition;
@@ -51,7 +52,7 @@ inline Need needs(const char* option, bool condition, std::string reason) {
   return {option, condition, std::move(reason)};
 }
 
-// Throws Error{bad_argument} for the first option that was given and would have no effect.
+// Throws Error{bad_argument} for the first option that was given and has no effect.
 inline void refuse_without_effect(const CLI::App& command, std::initializer_list<Need> rules) {
   for (const Need& rule : rules) {
     if (rule.condition || command.count(rule.option) == 0) continue;

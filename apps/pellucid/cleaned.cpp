@@ -1,4 +1,4 @@
-// Meshes as they are written: see cleaned.h.
+// Implements cleaned.h: meshes as they are written.
 #include "cleaned.h"
 
 #include <limits>

@@ -1,4 +1,4 @@
-// Meshes as they are written to a new file.
+// Meshes as they are written to a new file. In: a mesh. Out: the same mesh without unused vertices.
 #pragma once
 
 #include "pellucid/mesh.h"

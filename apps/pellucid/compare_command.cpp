@@ -1,4 +1,5 @@
-// pellucid compare: every capture technique on the same scenes, side by side.
+// Implements `pellucid compare`, which draws the same scenes by every capture technique and compares the
+// results.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 namespace pellucid::cli {
 namespace {
 
-// What sweeps are of where no file is named: six layers, none of them coplanar.
+// The sample that sweeps use if no file is named: six layers, none of them coplanar.
 constexpr const char* kSweepSample = "torus-knot";
 
 struct CompareCommand {

@@ -1,4 +1,4 @@
-// What `compare -o` names: see compare_output.h.
+// Implements compare_output.h: the page or folder that `compare -o` names.
 #include "compare_output.h"
 
 #include <filesystem>

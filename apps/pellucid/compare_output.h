@@ -1,4 +1,4 @@
-// What `compare -o` names: one page, or a folder for the page, its JSON and all pictures.
+// The output of `compare -o`: one page, or a folder for the page, its JSON and all images.
 #pragma once
 
 #include <string>
@@ -9,13 +9,14 @@ namespace pellucid::cli {
 
 class CompareOutput {
  public:
-  // A folder, if there is one of that name, it ends in '/', or it is new and has not .html or .htm at its
-  // end. Empty: nothing is written.
+  // The path is a folder if a folder of that name exists, if it ends in '/', or if it is new and does not end
+  // in .html or .htm. If it is empty, nothing is written.
   explicit CompareOutput(const std::string& path);
 
-  // Throws Error{cannot_write} if write() could not: known now, not after minutes of work.
+  // Throws Error{cannot_write} if write() would fail, so that this is known before minutes of work.
   void check() const;
-  // Every file as a whole or not at all; the page, which says that all is there, is the last one.
+  // Writes every file completely or not at all. The page comes last, because it shows that everything is
+  // there.
   void write(const CompareReport& report) const;
 
  private:

@@ -1,4 +1,4 @@
-// Capture techniques drawing the same scene by turns: see comparison.h.
+// Implements comparison.h: lets capture techniques draw the same scene in turns.
 #include "comparison.h"
 
 #include <fmt/format.h>
@@ -15,10 +15,11 @@ namespace {
 
 constexpr const char* kCpu = "cpu";
 constexpr const char* kExact = "sb";
-// Frames of --flicker are so near to each other that one follows the other.
+// The number of steps of a whole turn of --flicker. Its frames are so near to each other that they could be
+// consecutive ones.
 constexpr std::uint32_t kFlickerStepsOfATurn = 720;
 
-// Draws by any technique, by turns with others.
+// Draws a scene by one technique, in turns with others.
 class ComparedRun {
  public:
   ComparedRun(const std::string& name, Renderer& renderer, const DrawnScene& drawn,
@@ -35,7 +36,7 @@ class ComparedRun {
   [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] const CaptureStats& stats() const { return stats_; }
 
-  // The first frame, in which drivers compile. Nothing is left of its pixels.
+  // Draws the first frame, in which drivers compile. Its pixels are not kept.
   RenderResult draw_first() {
     RenderResult result;
     try {
@@ -90,7 +91,7 @@ std::vector<ComparedRun> runs_of(Renderer& renderer, const DrawnScene& drawn,
   return all;
 }
 
-// By turns, so that what slows the machine for a while slows all of them.
+// Draws frames in turns, so that anything that slows the machine for a while slows all techniques.
 void take_turns(std::vector<ComparedRun>& all, std::uint32_t frames) {
   for (std::uint32_t frame = 1; frame < frames; ++frame) {
     for (ComparedRun& one : all) one.draw_again();
@@ -156,7 +157,7 @@ void measure_flicker(Renderer& renderer, const DrawnScene& drawn, const Comparis
   for (std::size_t i = 0; i < flicker.size(); ++i) compared.techniques[i].flicker = flicker[i].mean();
 }
 
-// Without it the rest of the report is as good.
+// Does the same, but turns an error into a note, because the rest of the report is still valid.
 void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOptions& options,
                  Session& session, ComparedScene& compared) {
   try {
@@ -167,7 +168,7 @@ void try_flicker(Renderer& renderer, const DrawnScene& drawn, const ComparisonOp
   }
 }
 
-// Returns what it drew and where it differs, if that is visible.
+// Returns the image of a technique and its difference from the exact one, if that is visible.
 std::vector<ReportImage> images_of(const std::string& name, const Image& exact, const RenderResult& drawn,
                                    const ImageError& error) {
   if (error.differing == 0) return {};
@@ -194,7 +195,7 @@ std::vector<ReportMap> report_maps(const std::vector<NamedMap>& maps, std::size_
   return all;
 }
 
-// Copies of all triangles with moved corners: copy 0 is the scene.
+// Makes copies of all triangles, with moved corners. Copy 0 is the scene itself.
 template <class Move>
 RenderScene copied(const RenderScene& scene, std::uint32_t copies, const Move& move) {
   RenderScene out = scene;
@@ -218,7 +219,7 @@ DrawnScene in_one_place(const DrawnScene& drawn, std::uint32_t copies) {
           {}};
 }
 
-// Along the lines of sight, so that every copy covers the same pixels.
+// Moves the copies along the lines of sight, so that every copy covers the same pixels.
 DrawnScene behind_each_other(const DrawnScene& drawn, std::uint32_t copies) {
   constexpr double kDepth = 0.25;  // of the scene's distance, for all copies together
   const Camera& camera = drawn.camera;
@@ -324,7 +325,7 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     row.perceived =
         perceived_error(exact.pixels, result.pixels, result.width, result.height, exact.stats.seen_pixels);
     row.images = images_of(name, exact_image, result, *row.error);
-    // The same everywhere, beside the white of no fragments, is not worth an image.
+    // A map with a single value, beside the white of no fragments, is not worth an image.
     row.maps = report_maps(budget_heat_maps(result, options.draw.samples), 3);
   }
   take_turns(all, options.frames);
@@ -333,7 +334,7 @@ ComparedScene compare_techniques(Renderer& renderer, const DrawnScene& drawn,
     compared.techniques[i].failure = all[i].failure();
     const CaptureStats& stats = all[i].stats();
     if (stats.chosen.empty()) continue;
-    // Within a budget it promises what fits.
+    // With a memory budget, a technique promises only what fits.
     compared.techniques[i].exact = stats.captured == stats.fragments;
     compared.notes.push_back(
         fmt::format("{} took {}: {}", options.techniques[i], stats.chosen, stats.reason));
@@ -357,7 +358,7 @@ ComparedSweep sweep(Renderer& renderer, const DrawnScene& drawn, SweepKind kind,
       const double fragments = static_cast<double>(count_fragments(renderer, scene, options, session));
       point.pool = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(value * fragments)));
       at.draw.pool.nodes = point.pool;
-      // As many bytes as `sb` takes for that pool.
+      // The bytes that `sb` takes for that pool.
       at.draw.budget.bytes = 12 * point.pool + 8 * std::uint64_t{scene.camera.width} * scene.camera.height *
                                                    options.draw.samples;
     }

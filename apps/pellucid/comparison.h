@@ -1,4 +1,4 @@
-// Capture techniques drawing the same scene by turns: what `compare` measures.
+// Lets capture techniques draw the same scene in turns. This is what `compare` measures.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace pellucid::cli {
 
-// A scene as `compare` draws it, and what sweeps vary.
+// A scene as `compare` draws it, and as sweeps vary it.
 struct DrawnScene {
   std::string input;
   RenderScene scene;
   Camera camera;
-  std::vector<Camera> turn{};  // of --flicker, round the scene, from `camera` on
+  std::vector<Camera> turn{};  // for --flicker: around the scene, beginning at `camera`
 };
 DrawnScene open_scene(const Model& model, const CaptureJob& job);
 
 struct ComparisonOptions {
   std::vector<std::string> techniques;
   bool cpu_reference = false;  // the exact image is that of the CPU, not of `sb`
-  std::uint32_t frames = 6;    // the first of which is not timed, if there are several
-  RenderOptions draw;          // all but the technique
+  std::uint32_t frames = 6;    // if there are several, the first is not timed
+  RenderOptions draw;          // everything except the technique
 };
 
 // Loads the scene. Techniques that cannot draw it get a row that says why. Throws Error{interrupted}.

@@ -1,4 +1,4 @@
-// All fragments of an image: see deep_pixels.h.
+// Implements deep_pixels.h: all fragments of an image.
 #include "deep_pixels.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ bool is_back(const DeepFragment& f) {
 bool delivers_all(const std::string& technique) {
   if (technique == "cpu") return true;
   const auto infos = render_techniques();
-  // Names that do not exist are told elsewhere.
+  // Names that do not exist are reported elsewhere.
   return std::none_of(infos.begin(), infos.end(), [&](const TechniqueInfo& info) {
     return info.name == technique && (!info.exact || info.blends_only);
   });

@@ -1,4 +1,4 @@
-// pellucid inspect: prints what a model file holds.
+// Implements `pellucid inspect`, which prints what a model file holds.
 #include "pellucid/report.h"
 #include "session.h"
 

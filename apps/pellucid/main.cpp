@@ -1,4 +1,5 @@
-// pellucid - the command line: parse, run one subcommand, turn every failure into one line and an exit code.
+// The command line: parses the arguments, runs one subcommand, and turns every failure into one line and an
+// exit code.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -23,7 +24,7 @@ constexpr const char* kExitCodes =
     "4 nothing to do, 5 quality target missed, 130 interrupted.";
 
 // Lays out --help: the name of the value, then what the option does and its default, without types and
-// checks. Groups come in the order in which they were added, the common options last.
+// checks. Groups come in the order in which they were added, with the common options last.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(34); }
@@ -36,7 +37,7 @@ class HelpFormatter : public CLI::Formatter {
 
   [[nodiscard]] std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0) return {};
-    // CLI11 appends what it checks after a colon.
+    // CLI11 appends the checks of a value after a colon.
     std::string name = option->get_type_name();
     name = name.substr(0, name.find(':'));
     if (name == "UINT" || name == "INT") name = "N";
@@ -82,7 +83,7 @@ void add_commands(CLI::App& app, Chosen& chosen) {
   add_techniques_command(app, chosen);
 }
 
-// Help and version are results too: a full disk behind stdout is a failure.
+// Prints help or the version. They are results, too, so a full disk behind stdout is a failure.
 int print_result(const std::string& text) {
   if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
     return fail(kInternal, std::string("standard output: cannot write: ") + std::strerror(errno));

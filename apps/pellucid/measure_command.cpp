@@ -1,4 +1,5 @@
-// pellucid measure: how good the orders of a file are, against exact images and beside baselines.
+// Implements `pellucid measure`, which measures the orders of a file against exact images and beside
+// baselines.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,7 +48,7 @@ void parse_distance_range(const std::string& text, MeasureSettings& settings) {
   }
 }
 
-// Notes that overdraw orders are not measured: wrong pixels do not exist for them.
+// Notes that overdraw orders are not measured, because wrong pixels have no meaning for them.
 void note_overdraw_orders(const Model& model, const Session& session) {
   const auto count = std::count_if(
       model.primitives.begin(), model.primitives.end(),
@@ -56,7 +57,7 @@ void note_overdraw_orders(const Model& model, const Session& session) {
   session.note(fmt::format("{}: the overdraw orders of {} primitive(s) are not measured", model.path, count));
 }
 
-// Reads the primitives that are measured: with `want_orders` those with orders, else all.
+// Reads the primitives that are measured: those with orders if `want_orders`, or else all.
 Input read_input(const std::string& path, const std::string& label, bool want_orders,
                  std::uint32_t simplify_to, const Session* notes = nullptr) {
   Model model = read_model(path);
@@ -75,7 +76,7 @@ Input read_input(const std::string& path, const std::string& label, bool want_or
   return input;
 }
 
-// Returns the stems of the files, made different where they are the same.
+// Returns the stems of the files, made different if some are the same.
 std::vector<std::string> labels_of(const std::vector<std::string>& paths) {
   std::vector<std::string> labels;
   std::set<std::string> used(baseline_names().begin(), baseline_names().end());
@@ -117,8 +118,8 @@ std::vector<Input> read_inputs(const MeasureCommandOptions& options, const Sessi
   return inputs;
 }
 
-// Returns the mesh whose triangle order is the baseline `original`: the primitive of --original with the same
-// place or, where the numbers of primitives differ, the same name.
+// Returns the mesh whose triangle order is the baseline `original`: the primitive of --original at the same
+// position or, if the numbers of primitives differ, with the same name.
 const Mesh* original_mesh(const Input& original, const Input& main, std::size_t k) {
   if (original.primitives.size() == main.primitives.size()) return &original.primitives[k].mesh;
   for (std::size_t i = 0; i < original.names.size(); ++i) {

@@ -1,4 +1,4 @@
-// Many models in one call: see order_batch.h.
+// Implements order_batch.h: many models in one call.
 #include "order_batch.h"
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ constexpr std::array kGravestFirst{ErrorKind::internal,      ErrorKind::cannot_w
                                    ErrorKind::bad_input,     ErrorKind::bad_argument,
                                    ErrorKind::nothing_to_do, ErrorKind::quality_missed};
 
-// Returns the same text for the same file, whatever the path to it.
+// Returns the same text for the same file, whatever path names it.
 std::string canonical(const std::string& path) {
   std::error_code error;
   const fs::path found = fs::weakly_canonical(path, error);
@@ -204,9 +204,9 @@ bool is_into_folder(const RunOptions& options, const std::string& output) {
 
 std::vector<BatchJob> plan_batch(const RunOptions& options, const std::string& folder) {
   const std::vector<std::string> inputs = all_inputs(options);
-  std::map<std::string, std::string> known;  // canonical input, as it was given
+  std::map<std::string, std::string> known;  // canonical input -> input as it was given
   for (const std::string& input : inputs) known.emplace(canonical(input), input);
-  std::map<std::string, std::string> taken;  // output, its input
+  std::map<std::string, std::string> taken;  // output -> its input
   std::vector<BatchJob> jobs;
   for (const std::string& input : inputs) {
     const fs::path path(input);

@@ -20,15 +20,15 @@ struct RunOptions {
 };
 void add_run_options(CLI::App& command, RunOptions& options);
 
-// Returns the inputs of the command line, then those of the list. Throws Error{bad_argument} where there are
+// Returns the inputs of the command line, then those of the list. Throws Error{bad_argument} if there are
 // none.
 std::vector<std::string> all_inputs(const RunOptions& options);
 
-// Reads one path per line; empty lines and those that begin with # are left out.
+// Reads one path per line. Ignores empty lines and those that begin with #.
 std::vector<std::string> read_path_list(const std::string& file);
 
 // Returns whether the models are written into a folder (true), or one model into one file (false). Throws
-// Error{bad_argument} for many models and one file.
+// Error{bad_argument} for several models and one file.
 bool is_into_folder(const RunOptions& options, const std::string& output);
 
 struct BatchJob {
@@ -38,19 +38,18 @@ struct BatchJob {
 bool is_up_to_date(const BatchJob& job);
 
 // Plans FOLDER/STEM.gltf for a .gltf, FOLDER/STEM.glb for all others, and a folder of records for each.
-// Throws Error{bad_argument} where two inputs would have the same output, or an output would overwrite an
-// input.
+// Throws Error{bad_argument} if two inputs would have the same output, or an output would overwrite an input.
 std::vector<BatchJob> plan_batch(const RunOptions& options, const std::string& folder);
 
-// The result of one file: its report and, where it was written but missed the quality target, a message.
+// The result of one file: its report and, if it was written but missed the quality target, a message.
 struct BatchOutcome {
   OrderReport report;
   std::string missed_quality;
 };
 
-// Runs the jobs one after the other and makes missing folders. A failure is printed when it happens and again
-// at the end; then the call throws an Error of the gravest kind: cannot write or internal, bad input, usage,
-// nothing to do, quality. An interruption ends the batch and keeps the files that are written.
+// Runs the jobs one after the other and creates missing folders. A failure is printed when it happens and
+// again at the end. The call then throws an Error of the gravest kind: cannot write or internal, bad input,
+// usage, nothing to do, quality. An interruption ends the batch and keeps the files that are written.
 void run_batch(const RunOptions& options, const std::string& folder, Session& session,
                const std::function<BatchOutcome(const BatchJob&)>& order);
 

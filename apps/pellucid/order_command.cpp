@@ -1,4 +1,4 @@
-// pellucid order: transparency orders for the static meshes of a model.
+// Implements `pellucid order`, which makes transparency orders for the static meshes of a model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,10 +18,11 @@
 namespace pellucid::cli {
 namespace {
 
-// Held-out viewpoints have a seed of their own: the method must not have trained on them.
+// Held-out viewpoints have a seed of their own, because the method must not have been optimised for them.
 constexpr std::uint64_t kValidationSeed = 0x5EEDED;
 constexpr std::uint32_t kValidationSize = 512;
-// Orders of both facings list most triangles twice: 1.45 to 1.6 times the triangles on closed meshes.
+// Orders of both facings list most triangles twice: 1.45 to 1.6 times the number of triangles on closed
+// meshes.
 constexpr double kTypicalCopies = 1.6;
 
 Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice choice) {
@@ -31,7 +32,7 @@ Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice ch
 }
 
 // Cleans and simplifies a primitive of a format other than glTF. Such models are written anew, so triangles
-// that cannot be drawn are left out for good.
+// that cannot be drawn are left out of the output as well.
 void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std::uint32_t target) {
   primitive.mesh = compacted(clean(primitive.mesh, options.clean, primitive.name).mesh);
   if (target > 0 && primitive.mesh.triangles.size() > target) {
@@ -40,8 +41,8 @@ void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std:
   }
 }
 
-// Checks and prepares the selected primitives. --simplify is the size of the whole model, of which every
-// primitive gets its share.
+// Checks and prepares the selected primitives. --simplify is the size of the whole model, and every primitive
+// gets its share.
 std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
                                       const OrderCommandOptions& options) {
   std::vector<MeshReport> reports;
@@ -66,7 +67,7 @@ std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
   return reports;
 }
 
-// Measures the error from held-out viewpoints into the report.
+// Measures the error from held-out viewpoints and stores it in the report.
 void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t viewpoints, double alpha,
                      Session& session, PrimitiveOrderReport& report) {
   MeasureOptions measure;
@@ -75,14 +76,13 @@ void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t vie
   measure.seed = kValidationSeed ^ session.options().seed;
   measure.facing = orders.facing;
   measure.shading.alpha = alpha;
-  // The paper's range of 2 to 5 radii, as far as the orders were made for it.
+  // The range of the paper is 2 to 5 radii. It is limited to the range that the orders were made for.
   measure.min_distance = std::max(2.0, orders.valid_from);
   measure.max_distance = std::max(measure.min_distance, std::min(5.0, orders.valid_to));
   measure.progress = session.progress();
   std::vector<DrawingMethod> methods{
       {"orders", [&](const Viewpoint& viewpoint) { return ranks_from(mesh, orders, viewpoint); }}};
-  // Where faces intersect or hide each other in cycles, the error of the best possible order is measured,
-  // too.
+  // If faces intersect or overlap in cycles, the error of the best possible order is measured, too.
   if (report.statistics.intersecting_pairs > 0 || report.statistics.cyclic_cells > 0) {
     methods.push_back({"best", [&](const Viewpoint& viewpoint) {
                          return best_ranks(mesh, orders.sphere, viewpoint, measure.size, orders.facing);
@@ -101,8 +101,8 @@ void validate_orders(const Mesh& mesh, const OrderSet& orders, std::uint32_t vie
   if (qualities.size() > 1) report.ipr_unavoidable = qualities.back().ipr_mean;
 }
 
-// Replaces the primitive's mesh by its pieces where there is something to cut. Returns nothing, with a note,
-// where the triangles of the primitive may not change.
+// Replaces the mesh of the primitive by its pieces if there is something to cut. Returns nothing, with a
+// note, if the triangles of the primitive may not change.
 std::optional<SplitReport> split_primitive(Model& model, std::uint32_t index, const SplitChoice& choice,
                                            const CleanOptions& cleaning, const OrderOptions& order,
                                            Session& session) {
@@ -149,7 +149,7 @@ std::optional<SplitReport> split_one(Model& model, std::uint32_t index, const Or
 struct OrderedOne {
   OrderedPrimitive ordered;
   PrimitiveOrderReport report;
-  PrimitiveFrontier frontier;  // --frontier; without -o there is nothing else
+  PrimitiveFrontier frontier;  // for --frontier; without -o there is no other result
 };
 
 OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommandOptions& options,
@@ -260,8 +260,8 @@ void dry_run(const OrderCommandOptions& options, Session& session) {
 
 // ----------------------------------------------------------------------------------- was the target reached?
 
-// The error of one primitive and the number of its buffers. The error is that which the method measured
-// itself, else that of the validation; it is negative where neither measured one.
+// The error of one primitive and the number of its buffers. It is the error that the method measured itself,
+// or else that over the held-out viewpoints. It is negative if neither was measured.
 struct Reached {
   std::string name;
   double ipr = -1, psnr = -1;
@@ -310,7 +310,7 @@ void check_quality(const std::vector<Reached>& all, const OrderOptions& target, 
 // ------------------------------------------------------------------------------------ one model, or many
 
 struct FileOutcome {
-  OrderReport report;  // without -o: empty
+  OrderReport report;  // empty without -o
   std::vector<Reached> reached;
 };
 
@@ -377,7 +377,7 @@ FileOutcome order_file(OrderCommandOptions options, Session& session) {
   return done;
 }
 
-// Throws Error{quality_missed}.
+// Throws Error{quality_missed} if the target was missed.
 void check_target(const FileOutcome& done, const OrderCommandOptions& options) {
   if (!options.target_given) return;
   check_quality(done.reached, options.order, options.input,

@@ -1,4 +1,4 @@
-// The options of `pellucid order`: see order_options.h.
+// Implements order_options.h: the options of `pellucid order`.
 #include "order_options.h"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ namespace {
 // The largest number of buffers of --frontier and --max-error auto, unless --max-buffers is given.
 constexpr std::uint32_t kFrontierBuffers = 8;
 
-// Reads "1.5,3,inf". CLI11's own lists do not accept inf.
+// Reads "1.5,3,inf". The lists of CLI11 do not accept inf.
 std::vector<double> parse_distances(const std::string& text) {
   std::vector<double> distances;
   std::size_t begin = 0;
@@ -80,7 +80,8 @@ void refuse_ineffective(const OrderCommandOptions& o) {
   const bool raster = order.occlusion == OcclusionSource::raster;
   const bool scheduled = order.cache_method == CacheMethod::scheduled;
   const bool writes = !o.output.empty();
-  // acyclic aims at no error, but the error from held-out viewpoints is still compared with the target.
+  // acyclic does not aim at an error, but its error from held-out viewpoints is still compared with the
+  // target.
   const bool checks_error = budget || (o.check_views > 0 && !order.least_frame_time);
   const std::string own_number = "--method acyclic finds its own number of buffers";
   const std::string no_target = "--method acyclic aims at no error, and nothing measures it";

@@ -1,4 +1,4 @@
-// The options of `pellucid order`.
+// The options of `pellucid order`. In: a command line. Out: checked options.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,14 +17,14 @@ enum class FacingChoice { automatic, single, duplicated };
 
 struct SplitChoice {
   bool split = false;
-  double limit = 0.5;  // new triangles, as a share of the primitive's
+  double limit = 0.5;  // new triangles, as a share of those of the primitive
 };
 
 struct OrderCommandOptions {
   const CLI::App* command = nullptr;  // knows which options were given
   RunOptions run;
-  std::string input, output;  // of the file at hand; at first the output as it was given
-  std::string checkpoint;     // of the file at hand
+  std::string input, output;  // of the current file; at first the output as it was given
+  std::string checkpoint;     // of the current file
   bool in_batch = false;      // one of several files
   OrderOptions order;
   std::string partition = "S2,2";
@@ -47,14 +47,14 @@ struct OrderCommandOptions {
 
 void add_order_options(CLI::App& command, OrderCommandOptions& options);
 
-// Fills options.order and options.write from what was given as text. Throws Error{bad_argument} for options
-// that contradict each other or would have no effect.
+// Fills options.order and options.write from the text that was given. Throws Error{bad_argument} for options
+// that contradict each other or have no effect.
 void settle_options(OrderCommandOptions& options);
 
-// Throws Error{bad_argument} for options that would have no effect on such a model.
+// Throws Error{bad_argument} for options that have no effect on such a model.
 void refuse_for_model(const OrderCommandOptions& options, const Model& model);
 
-// Throws Error{bad_argument} unless the path ends in .glb or .gltf, Error{cannot_write} where it cannot be
+// Throws Error{bad_argument} unless the path ends in .glb or .gltf, and Error{cannot_write} if it cannot be
 // written.
 void check_output(const std::string& path);
 

@@ -1,4 +1,5 @@
-// pellucid overdraw: a few triangle orders that reduce overdraw, for static and animated models.
+// Implements `pellucid overdraw`, which makes a few triangle orders that reduce overdraw, for static and
+// animated models.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -57,11 +58,11 @@ void settle(OverdrawCommandOptions& options, const PosedSubject& posed) {
   const bool is_static = posed.clips.empty();
   OverdrawOptions& orders = options.orders;
   if (is_static && options.command->count("--buffers") == 0) orders.buffers = 1;
-  // One pose affords more viewpoints, which a single order for all of them needs.
+  // A static model has time for more viewpoints, and a single order for all directions needs them.
   orders.view_level = options.views > 0 ? level_of(options.views) : is_static ? 3 : 2;
   if (is_static && orders.method == OverdrawMethod::refined && options.command->count("--lambda") == 0 &&
       !orders.acmr) {
-    // The result can replace that of meshopt_optimizeOverdraw at its usual threshold.
+    // The result can then replace that of meshopt_optimizeOverdraw() at its usual threshold.
     constexpr float kUsualThreshold = 1.05F;
     orders.acmr = acmr_of(posed.subject, {meshopt_overdraw_order(posed.subject, posed.rest, kUsualThreshold)},
                           orders.cache_size);
@@ -129,7 +130,7 @@ std::vector<OverdrawRow> measure_all(const Model& model, const OverdrawCommandOp
   return rows;
 }
 
-// Returns the file's own order as an order set, which is written where nothing better was found.
+// Returns the order of the file as an order set, which is written if nothing better was found.
 OverdrawSets input_as_orders(const PosedSubject& posed, const OverdrawOptions& options) {
   OverdrawSets sets;
   sets.view_level = options.view_level;
@@ -241,7 +242,7 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
 }
 
 // Prepares a model of a format other than glTF. It is written anew, so triangles that cannot be drawn are
-// left out for good, and its material is one that the orders are made for.
+// left out of the output as well. It gets a material for which the orders are valid.
 void prepare(Model& model, SidesChoice sides) {
   if (is_gltf(model)) return;
   for (Primitive& primitive : model.primitives) {
@@ -261,7 +262,7 @@ void check_options(const OverdrawCommandOptions& options) {
     throw Error(ErrorKind::bad_argument,
                 "--subdivide and --whole are for measurements: such orders fit no file, leave out -o");
   }
-  constexpr double kNoCache = 3;  // patches of single triangles
+  constexpr double kNoCache = 3;  // every triangle is a patch
   const bool writes = !options.output.empty();
   const bool refined = options.orders.method == OverdrawMethod::refined;
   const std::string no_output = "no model is written; give -o OUT.glb";

@@ -1,5 +1,5 @@
-// pellucid render: draws an image of a file: its fragments are captured by a technique and folded by an
-// effect, or blended in one of its draw orders.
+// Implements `pellucid render`, which draws an image of a file. Fragments are captured by a technique and
+// folded by an effect, or blended in one of the draw orders of the file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -48,8 +48,8 @@ void require_orders(const Scene& scene, const std::string& path) {
   throw Error(ErrorKind::nothing_to_do, path + ": there are no orders in it: run pellucid order first");
 }
 
-// Returns the option that asks for more than orders can be drawn with, which is on the CPU, by surfaces that
-// all look the same; empty: there is none.
+// Returns the first option that a comparison of orders does not support, or an empty text. Such a comparison
+// is drawn on the CPU with surfaces that all look the same.
 std::string capture_option(const RenderCommand& options) {
   const CaptureJob& capture = options.capture;
   if (options.technique != cpu_technique().name) return "--technique " + options.technique;

@@ -1,4 +1,4 @@
-// pellucid sample: procedural scenes, so that nothing must be downloaded.
+// Implements `pellucid sample`, which writes procedural scenes, so that nothing must be downloaded.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// The choice of primitives: see selection.h.
+// Implements selection.h: the choice of primitives.
 #include "selection.h"
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ Selection select_primitives(const Model& model, const SelectionOptions& options)
         fmt::format("{} primitive(s) without triangles: left as they are", not_triangles));
   }
 
-  // Primitives that are drawn with blending need an order, unless options select others.
+  // By default, only primitives that are drawn with blending are ordered.
   if (options.all || !options.material.empty() || !is_gltf(model)) {
     selection.primitives = std::move(orderable);
   } else {

@@ -1,4 +1,5 @@
-// The choice of the primitives of a model that `order` works on.
+// The choice of the primitives of a model that `order` works on. In: options. Out: indices of primitives, and
+// notes on the others.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 namespace pellucid::cli {
 
 struct SelectionOptions {
-  bool all = false;      // also OPAQUE and MASK primitives of a glTF
+  bool all = false;      // order OPAQUE and MASK primitives of a glTF, too
   std::string material;  // only primitives with this material; empty: any
 };
 
@@ -19,9 +20,9 @@ struct Selection {
   std::vector<std::string> notes;         // what was left out, and why
 };
 
-// Chooses what is ordered: triangle primitives that do not deform; of a glTF those drawn with BLEND, or all
-// where there is none. Throws Error{nothing_to_do} when nothing is left, Error{bad_argument} for a material
-// that the file does not have.
+// Chooses the primitives to order: triangle primitives that do not deform. Of a glTF it chooses those drawn
+// with BLEND, or all if there is none. Throws Error{nothing_to_do} if nothing is left, and
+// Error{bad_argument} for a material that the file does not have.
 Selection select_primitives(const Model& model, const SelectionOptions& options);
 
 }  // namespace pellucid::cli

@@ -1,4 +1,4 @@
-// What the subcommands share: see session.h.
+// Implements session.h: what the subcommands share.
 #include "session.h"
 
 #include <fmt/format.h>
@@ -39,8 +39,8 @@ std::string rate_text(double per_second) {
 
 }  // namespace
 
-// Draws one line on a terminal's stderr: what runs, how far it is, and how long it will take. It draws
-// nothing in a pipe.
+// Shows progress as one line on stderr if that is a terminal: what runs, how far it is, and how long it will
+// take. It shows nothing in a pipe.
 class TerminalProgress final : public Progress {
  public:
   // Without `wanted` neither the line nor notes are printed.
@@ -55,12 +55,12 @@ class TerminalProgress final : public Progress {
   // Set the text before the stage: "3/12 bunny.ply: 1/2 body: occlusion graph".
   void set_file(const std::string& file);
   void set_subject(const std::string& subject);
-  // Wipes the line until the next stage begins, so that other text can be written.
+  // Clears the line until the next stage begins, so that other text can be written.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Draws the line again and again, so that the clock runs during long steps.
+  // Redraws the line periodically, so that the clock runs during long steps.
   void keep_drawing();
   void draw();
   void wipe();
@@ -264,7 +264,7 @@ void check_writable(const std::string& path) {
   if (platform::file_kind(folder) != platform::FileKind::folder) refuse("there is no folder " + folder);
   const platform::FileKind kind = platform::file_kind(path);
   if (kind == platform::FileKind::folder) refuse("it is a directory");
-  // A device is written into. A file is replaced by another that is made in its folder.
+  // A device is written directly. A file is replaced by another one that is created in its folder.
   if (kind != platform::FileKind::missing) refuse_unless_writable(path);
   if (kind != platform::FileKind::device) refuse_unless_writable(folder);
 }

@@ -1,5 +1,5 @@
-// What the subcommands share: common options, results on stdout, notes and progress on stderr, stopping, exit
-// codes.
+// What the subcommands share: common options, results on stdout, notes and progress on stderr, interruption,
+// and exit codes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -31,16 +31,17 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   [[nodiscard]] const CommonOptions& options() const { return options_; }
-  // Never null. Prints a bar when stderr is a terminal, and knows when the user pressed Ctrl-C.
+  // Returns the progress, never null. It shows a line if stderr is a terminal, and knows when the user
+  // pressed Ctrl-C.
   [[nodiscard]] Progress* progress() const;
-  // Puts "2/5 name: " before the stage in progress reports from now on; empty: nothing.
+  // Puts "2/5 name: " before the stage in progress reports from now on; an empty text removes it.
   void set_subject(const std::string& subject);
-  // Does the same for the file, where there are several, before the subject.
+  // Does the same for the file, if there are several, before the subject.
   void set_file(const std::string& file);
 
   // Prints results to stdout, unless the JSON goes there.
   void print(const std::string& text) const;
-  // Prints something the user should know as one line of stderr, except with --quiet.
+  // Prints one line for the user to stderr, except with --quiet.
   void note(const std::string& line) const;
   // Prints an error as one line of stderr, also with --quiet.
   void complain(const std::string& message) const;
@@ -48,7 +49,7 @@ class Session {
   void detail(const std::string& line) const;
   // Throws as check_writable() does if the file of --json cannot be written.
   void check_json() const;
-  // Writes the JSON to where --json says, if it was given.
+  // Writes the JSON to the place that --json names, if it was given.
   void write_json(const std::string& json) const;
 
  private:
@@ -56,13 +57,13 @@ class Session {
   std::unique_ptr<TerminalProgress> progress_;
 };
 
-// Throws Error{cannot_write} if there is no such folder, the path is a folder, or writing is not permitted.
+// Throws Error{cannot_write} if the folder does not exist, the path is a folder, or writing is not permitted.
 // Called before the work, which may take minutes.
 void check_writable(const std::string& path);
 
-// Makes Ctrl-C and SIGTERM raise the flag that stop_requested() reads; a second one ends the process at once.
+// Makes Ctrl-C and SIGTERM set the flag that stop_requested() reads. A second one ends the process at once.
 void install_stop_signals();
-// Throws Error{interrupted} once the flag is up.
+// Throws Error{interrupted} if the flag is set.
 void stop_if_signalled();
 
 // Prints "pellucid: message" on one line of stderr.
@@ -72,7 +73,7 @@ void complain(const std::string& message);
 // missed, 130 interrupted.
 int exit_code(ErrorKind kind);
 
-// The message where memory does not suffice.
+// The message if memory is exhausted.
 extern const char* const kOutOfMemory;
 
 // A subcommand's work, run after parsing. What it throws becomes a message and an exit code.

@@ -1,4 +1,4 @@
-// Charts with named curves, and the parts that charts share.
+// Implements charts.h: charts with named curves, and the parts that charts share.
 #include "report/charts.h"
 
 #include <fmt/format.h>
@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t kColors = 7;
 constexpr double kLabelGap = 17;
-constexpr double kMostDecades = 2.4;  // up to which marks stand between powers of ten
+constexpr double kMostDecades = 2.4;  // up to this range there are marks between powers of ten
 
-// Returns the class of the dashes. Colours repeat with other dashes.
+// Returns the class of the dashes of a curve. Curves with the same colour have different dashes.
 const char* dashes(std::size_t index) {
   if (index < kColors) return "";
   return index < 2 * kColors ? " again" : " third";
@@ -153,8 +153,8 @@ class Plot {
 
 // -------------------------------------------------------------------------------------------- shared parts
 
-// All selectors begin with .chart, as within a page this style applies to the whole page. Colours after Okabe
-// and Ito, with enough contrast for lines and text on light and on dark backgrounds.
+// All selectors begin with .chart, because within a page this style applies to the whole page. The colours
+// follow Okabe and Ito, with enough contrast for lines and text on light and dark backgrounds.
 const char* const kChartStyle = R"(<style>
 .chart text{font:13px system-ui,-apple-system,"Segoe UI","DejaVu Sans",sans-serif;fill:#24292f}
 .chart .small{font-size:12px}
@@ -221,7 +221,7 @@ std::vector<double> log_marks(double least, double most) {
        power *= 10) {
     for (const double factor : factors) {
       if (!marks.empty() && marks.back() >= most) break;
-      // The axis begins at the last mark that no value lies below.
+      // The axis begins at the last mark below all values.
       if (factor * power <= least) marks.clear();
       marks.push_back(factor * power);
     }
@@ -236,10 +236,10 @@ std::vector<double> spread_labels(const std::vector<double>& ends, double top, d
                    [&](std::size_t a, std::size_t b) { return ends[a] < ends[b]; });
   const double gap =
       std::min(kLabelGap, (bottom - top) / std::max(1.0, static_cast<double>(ends.size()) - 1));
-  // Names that are too near to each other form a group, which stands at the mean of the places that its names
-  // want. Groups that meet are merged.
+  // Names that are too near to each other form a group. The group is placed at the mean of the places that
+  // its names would have. Groups that meet are merged.
   struct Group {
-    double sum = 0;  // over the names, of where each would put the first name
+    double sum = 0;  // sum over the names of where each would put the first name
     std::size_t count = 0;
     [[nodiscard]] double first() const { return sum / static_cast<double>(count); }
   };

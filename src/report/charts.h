@@ -1,5 +1,5 @@
-// Charts with named curves, and the parts that charts share: text, lines, colours, axes and places for names.
-// In: points, names and axes. Out: SVG.
+// Draws charts with named curves, and the parts that charts share: text, lines, colours, axes and places for
+// names. In: points, names and axes. Out: SVG.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace pellucid {
 
-// A <style> for <svg class="chart">, with colours for light and dark backgrounds.
+// A <style> element for <svg class="chart">, with colours for light and dark backgrounds.
 extern const char* const kChartStyle;
 
-// Returns text, which is escaped, or a line. `style` names classes of kChartStyle.
+// Return text, which is escaped, or a line. `style` names classes of kChartStyle.
 std::string text_svg(double x, double y, const char* anchor, const char* style, const std::string& text);
 std::string line_svg(double x0, double y0, double x1, double y1, const char* style);
 // Returns `content` in the colour and dashes of curve `index`, with the whole name of the curve as the
 // tooltip.
 std::string group_svg(std::size_t index, bool strong, const std::string& name, const std::string& content);
 
-// Returns the name, cut to `length` characters of UTF-8 where it is longer.
+// Returns the name, cut to `length` characters of UTF-8 if it is longer.
 std::string abbreviated(const std::string& name, std::size_t length);
 
 // Returns the marks of a logarithmic axis from `least` to `most`, both above 0: 1, 2 and 5 times powers of
@@ -33,14 +33,14 @@ std::vector<double> spread_labels(const std::vector<double>& ends, double top, d
 
 // -------------------------------------------------------------------------------------------------- curves
 
-// Curves over a parameter, as figures 7 to 9 and 11 of Vasilakis, Fudos (TVCG 2014) show them: logarithmic
+// Curves over a parameter, as in figures 7 to 9 and 11 of Vasilakis, Fudos (TVCG 2014): with logarithmic
 // axes, and the name of a curve beside its end.
 struct ChartPoint {
   double x = 0, y = 0;
 };
 struct Curve {
   std::string name;
-  std::vector<ChartPoint> points;  // by rising x; the curve is broken where y is not finite
+  std::vector<ChartPoint> points;  // by increasing x; the curve is interrupted where y is not finite
 };
 struct CurveChart {
   std::string title, x_title;

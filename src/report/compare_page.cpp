@@ -1,5 +1,5 @@
-// The page of a comparison: all scenes as a table, then scene by scene, then the sweeps.
-// In: a comparison (pellucid/compare_report.h). Out: one self-contained HTML page.
+// Makes the page of a comparison: all scenes as a table, then each scene, then the sweeps. In: a comparison
+// (pellucid/compare_report.h). Out: one self-contained HTML page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace {
 
 // ---------------------------------------------------------------------------------------------- all scenes
 
-// Ratio to the fastest exact technique at which a cell has its full colour.
+// The ratio to the fastest exact technique at which a cell has its full colour.
 constexpr double kSlow = 16;
-// PSNR in dB at which a cell has no colour, and at which it has its full colour.
+// The PSNR in dB at which a cell has no colour, and the one at which it has its full colour.
 constexpr double kGoodPsnr = 50;
 constexpr double kBadPsnr = 10;
-// Colours of cells are translucent, as the background of the page may be light or dark.
+// Colours of cells are translucent, because the background of the page may be light or dark.
 constexpr double kMostOpacity = 0.55;
 
 struct CellColor {
@@ -60,7 +60,7 @@ std::string psnr_cell(const ComparedTechnique& technique, const ComparedScene&) 
   return cell(format_fixed(technique.error->psnr, 1), kSlower, share, title);
 }
 
-// The colour is by the logarithm of the ratio to the exact technique that takes the fewest bytes.
+// The colour depends on the logarithm of the ratio to the exact technique that takes the fewest bytes.
 std::string bytes_cell(const ComparedTechnique& technique, const ComparedScene& scene) {
   double least = INFINITY;
   for (const ComparedTechnique& other : scene.techniques) {

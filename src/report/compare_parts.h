@@ -1,5 +1,5 @@
-// What the files of the page of compare_html() share: its sections, anchors, style and scripts.
-// In: a comparison or a part of it. Out: HTML.
+// Declares what the files of the page of compare_html() share: its sections, anchors, style and scripts. In:
+// a comparison or a part of it. Out: HTML.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ std::string name_of(const std::string& input);
 std::string scene_anchor(std::size_t number);
 std::string sweep_anchor(std::size_t number);
 
-// Returns the images of a scene: with the page's script any two of them over each other, without it every
-// image beside its difference from the exact one.
+// Returns the images of a scene. The script of the page lays any two of them over each other. Without the
+// script, every image is beside its difference from the exact one.
 std::string image_viewer(const ComparedScene& scene, std::size_t number);
 // Returns the heat maps of a scene and of its techniques, with scales.
 std::string heat_map_section(const ComparedScene& scene);
@@ -26,7 +26,7 @@ std::string technique_plots(const ComparedScene& scene);
 // Returns the charts of a sweep.
 std::string sweep_section(const ComparedSweep& sweep, std::size_t number);
 
-// A group of radio buttons, <div class="flip">, of which the first is chosen and each shows one thing. It
+// A group of radio buttons, <div class="flip">. Each button shows one thing, and the first is chosen. It
 // needs no script, and the arrow keys move through it. `kind` is the class of what is shown.
 class Choices {
  public:
@@ -42,7 +42,8 @@ class Choices {
   std::size_t count_ = 0;
 };
 
-// compare_page.css, compare_viewer.js and compare_tables.js, which CMake embeds (page_files.cpp.in).
+// The contents of compare_page.css, compare_viewer.js and compare_tables.js, which CMake embeds
+// (page_files.cpp.in).
 extern const char* const kCompareStyle;
 extern const char* const kCompareViewer;
 extern const char* const kCompareTables;

@@ -1,4 +1,4 @@
-// The plots of a comparison: time, memory and error of the techniques of a scene, and charts of sweeps.
+// Makes the plots of a comparison: time, memory and error of the techniques of a scene, and charts of sweeps.
 // In: a compared scene or sweep (pellucid/compare_report.h). Out: HTML with inline SVG.
 #include <fmt/format.h>
 
@@ -42,8 +42,8 @@ std::string amount(double value) {
 
 using Cost = std::function<double(const ComparedTechnique&)>;
 
-// Returns the points of a chart. Techniques without cost have no place on a logarithmic axis: blending takes
-// no memory.
+// Returns the points of a chart. Techniques without cost have no place on a logarithmic axis; for example,
+// blending takes no memory.
 CostChart cost_chart(const std::vector<const ComparedTechnique*>& techniques, const Cost& cost) {
   CostChart chart;
   for (const ComparedTechnique* technique : techniques) {

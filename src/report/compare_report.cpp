@@ -1,5 +1,5 @@
-// Capture techniques side by side, as a table and JSON, and the paths of their images.
-// In: a comparison (pellucid/compare_report.h). Out: text and JSON (docs/json.md).
+// Writes a comparison of capture techniques as a table and JSON, and lists the paths of their images. In: a
+// comparison (pellucid/compare_report.h). Out: text and JSON (docs/json.md).
 #include "pellucid/compare_report.h"
 
 #include <fmt/format.h>
@@ -27,8 +27,8 @@ std::string plain_name(const std::string& input) {
   return name;
 }
 
-// Returns "images/stack-f2b-difference.png" for `what` = "f2b-difference". The path has the number of the
-// scene where there are several.
+// Returns a path such as "images/stack-f2b-difference.png" for `what` = "f2b-difference". It includes the
+// number of the scene if there are several.
 std::string image_path(const CompareReport& report, std::size_t scene, const std::string& what) {
   const std::string name = plain_name(report.scenes[scene].input);
   return report.scenes.size() == 1 ? fmt::format("images/{}-{}.png", name, what)
@@ -37,7 +37,7 @@ std::string image_path(const CompareReport& report, std::size_t scene, const std
 
 // ------------------------------------------------------------------------------ techniques over all scenes
 
-// A summary, with the sums from which its geometric mean is made.
+// A summary, with the sums that its geometric mean is made of.
 struct Gathered {
   TechniqueSummary summary;
   double log_ratios = 0;
@@ -77,7 +77,7 @@ Json or_null(std::optional<double> value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-// Returns the keys that a technique which failed has as well, with null.
+// Returns the keys that a technique that failed also has, with the value null.
 Json json_of_stats(const CaptureStats& stats, double pixels) {
   return {{"milliseconds", stats.milliseconds},
           {"passes", stats.geometry_passes},
@@ -125,7 +125,8 @@ Json json_of(const ComparedTechnique& technique, const ComparedScene& scene) {
   return json;
 }
 
-// Return the paths of a technique in image_files(). Techniques that differ nowhere have the exact image.
+// Return the paths of a technique in image_files(). Techniques without any visible difference share the exact
+// image.
 Json image_of(const CompareReport& report, std::size_t number, const ComparedTechnique& technique) {
   if (!technique.drawn() || report.scenes[number].image.png.empty()) return nullptr;
   return image_path(report, number, technique.images.empty() ? "exact" : technique.name);
@@ -135,7 +136,8 @@ Json difference_of(const CompareReport& report, std::size_t number, const Compar
                                      : Json(image_path(report, number, technique.name + "-difference"));
 }
 
-// `number` is that of the scene. The keys "picture" and "difference" are null where there are no such files.
+// Returns a scene. `number` is its number. The keys "picture" and "difference" are null if there are no such
+// files.
 Json json_of(const CompareReport& report, std::size_t number, ImageLinks links) {
   const ComparedScene& scene = report.scenes[number];
   const bool has_files = links == ImageLinks::beside;
@@ -263,7 +265,8 @@ std::string text_of(const std::vector<TechniqueSummary>& summaries) {
   return table.to_string();
 }
 
-// Returns the milliseconds, or R_h, of every technique and point. The page has the other measures.
+// Returns the milliseconds, or R_h, of every technique and point. Only the page has the other measured
+// values.
 std::string text_of(const ComparedSweep& sweep) {
   std::vector<std::string> header{fmt::format("{}, ms", named(sweep.kind).name)};
   for (const SweepPoint& point : sweep.points)

@@ -1,6 +1,6 @@
-// The images of a scene over each other, and its heat maps.
-// In: a compared scene (pellucid/compare_report.h). Out: HTML, in which compare_viewer.js finds the image of
-// a menu entry by its key (data-picture), and the scale of a heat map in its figure.
+// Makes the viewer that lays two images of a scene over each other, and the heat maps of the scene. In: a
+// compared scene (pellucid/compare_report.h). Out: HTML. compare_viewer.js finds the image of a menu entry by
+// its key (data-picture), and the scale of a heat map in its figure.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -67,8 +67,8 @@ std::string words_of(const ComparedTechnique& technique) {
   return technique.error ? fmt::format("{}, {} dB", time, format_fixed(technique.error->psnr, 1)) : time;
 }
 
-// The entries of both menus. At first the exact image is chosen on the left, and the one that differs most on
-// the right.
+// The entries of both menus. At first, the exact image is chosen on the left, and the image that differs most
+// on the right.
 class Menu {
  public:
   explicit Menu(const ComparedScene& scene) : scene_(scene) {
@@ -152,7 +152,7 @@ std::string gain_choice() {
   return text + "</select></label>";
 }
 
-// The viewer is hidden until the script has drawn its images.
+// Returns the viewer, which is hidden until the script has drawn its images.
 std::string scripted_viewer(const ComparedScene& scene, const std::string& id) {
   const Menu menu(scene);
   std::string text = "<div class=\"viewer\" hidden=\"hidden\"><div class=\"controls\">";
@@ -193,7 +193,7 @@ std::string plain_viewer(const ComparedScene& scene, const std::string& id) {
   }
   if (choices.size() < 2) return choices.html();
   std::string text = choices.html();
-  // The note goes within the element that the script hides.
+  // The note is put into the element that the script hides.
   return text.insert(text.rfind("</div>"),
                      "<p class=\"note last\">Beside every image its difference from the exact one: white for "
                      "none, dark red for 64 steps of 255 or more.</p>");
@@ -236,7 +236,7 @@ std::string scale_numbers(double most) {
   const auto add = [&](double value) {
     numbers += fmt::format("<span style=\"left:{:.1f}%\">{:.4g}</span>", 100 * value / most, value);
   };
-  // The number before the last one must leave room for it.
+  // The number before the last one must leave space for it.
   for (double value = step; value < most - step / 2; value += step) add(value);
   add(most);
   return numbers;

@@ -1,5 +1,5 @@
-// Deep images: collects the fragments of every pixel, and writes them as deep OpenEXR files.
-// In: a drawn result with fragments. Out: a deep image, a file.
+// Collects the fragments of every pixel as a deep image, and writes it as a deep OpenEXR file. In: a drawn
+// result with fragments. Out: a deep image, a file.
 #include "pellucid/deep_image.h"
 
 #include <algorithm>
@@ -62,7 +62,7 @@ DeepImage make_deep_image(const RenderResult& result, const RenderScene& scene, 
 
 namespace {
 
-// A file in memory, so that it can be written whole or not at all.
+// A file in memory, so that it can be written completely or not at all.
 class MemoryStream final : public Imf::OStream {
  public:
   MemoryStream() : OStream("deep image") {}

@@ -1,5 +1,5 @@
-// The Pareto front of error and number of buffers, as a table, JSON and an SVG plot.
-// In: a frontier report (pellucid/report.h). Out: text, JSON (docs/json.md) and SVG.
+// Writes the Pareto front of error and number of buffers as a table, JSON and an SVG plot. In: a frontier
+// report (pellucid/report.h). Out: text, JSON (docs/json.md) and SVG.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -138,7 +138,7 @@ class Panel {
                             format_count(primitive_.triangles), escape_html(report_.views)));
   }
 
-  // Returns the column of the number of buffers that was chosen.
+  // Returns the marker of the chosen number of buffers.
   [[nodiscard]] std::string marks() const {
     const double half = 0.5 * (kFrontierRight - kFrontierLeft) / static_cast<double>(points_.size());
     return fmt::format(
@@ -177,7 +177,7 @@ class Panel {
     const std::string line = fmt::format(
         "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"target {}-line\"/>\n",
         kFrontierLeft, kFrontierRight, y, y, color);
-    // The label stands beside the axis of its measure.
+    // The label is beside the axis of its measure.
     return line + (report_.min_psnr ? text(kFrontierRight - 6, y - 6, "end", "small " + color, words)
                                     : text(kFrontierLeft + 6, y - 6, "start", "small " + color, words));
   }

@@ -1,5 +1,5 @@
-// Heat maps: the colours, overdraw alone and side by side, and fragments and memory budgets of every pixel.
-// In: counts or shares of every pixel. Out: images.
+// Implements heat_maps.h and the heat maps of the public headers: overdraw, alone and side by side, and
+// fragments and memory budgets of every pixel. In: counts or shares of every pixel. Out: images.
 #include "report/heat_maps.h"
 
 #include <fmt/format.h>
@@ -16,11 +16,11 @@ namespace {
 
 constexpr Rgb kBackground{255, 255, 255};
 // Even steps of OKLab lightness (0.915 to 0.265), so that the colours keep their order for any kind of colour
-// vision and in print without colour. The hue goes from blue to warm, so that the first wasted fragment
+// vision and in print without colour. The hue changes from blue to warm, so that the first wasted fragment
 // stands out.
 constexpr std::array<Rgb, kHeatSteps> kRamp{
     {{218, 228, 239}, {226, 170, 87}, {204, 101, 38}, {144, 45, 38}, {68, 16, 24}}};
-// The colour between images, and where a row has no image.
+// The colour between images, and in places where a row has no image.
 constexpr Rgb kGutterColor{196, 203, 211};
 constexpr std::uint32_t kGutter = 2;  // pixels
 

@@ -1,4 +1,4 @@
-// The frame and the parts of report pages.
+// Implements html_page.h: the frame and the parts of report pages.
 #include "report/html_page.h"
 
 #include <fmt/format.h>

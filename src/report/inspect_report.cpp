@@ -1,5 +1,4 @@
-// The contents of a model file, as text and as JSON.
-// In: a model. Out: text and JSON (docs/json.md).
+// Writes the contents of a model file as text and as JSON. In: a model. Out: text and JSON (docs/json.md).
 #include <fmt/format.h>
 
 #include "pellucid/report.h"

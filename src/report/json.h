@@ -1,5 +1,5 @@
-// What all JSON reports share: the order of keys, two spaces of indentation, one final newline.
-// In: values of a report. Out: JSON (docs/json.md).
+// Makes what all JSON reports share: the order of keys, two spaces of indentation, one final newline. In:
+// values of a report. Out: JSON (docs/json.md).
 #pragma once
 
 #include <cmath>
@@ -31,7 +31,7 @@ inline Json json_of(const MeshReport& check) {
           {"closed", check.closed()}};
 }
 
-// Returns the text of a report. Names come from files: bytes that are not UTF-8 become replacement
+// Returns the text of a report. Names come from files, so bytes that are not UTF-8 become replacement
 // characters.
 inline std::string dump(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

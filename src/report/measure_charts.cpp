@@ -1,4 +1,4 @@
-// Spheres of view directions, plots and histograms as inline SVG.
+// Implements measure_charts.h: spheres of view directions, plots and histograms as inline SVG.
 #include "report/measure_charts.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius = 100;
 constexpr double kGap = 24;
-constexpr std::uint32_t kRoundLevel = 3;  // 1,280 faces: the rim looks round
+constexpr std::uint32_t kRoundLevel = 3;  // 1,280 faces, so that the rim looks round
 constexpr std::uint32_t kHistogramBins = 24;
 constexpr std::size_t kMostBars = 110;
 constexpr double kPlotWidth = 520;
@@ -23,7 +23,7 @@ constexpr double kPlotHeight = 240;
 constexpr double kPlotLeft = 56;
 constexpr double kPlotBottom = 34;
 constexpr double kPlotTop = 12;
-constexpr int kSteps = 5;  // of an axis, which ends at 1, 2 or 5 times a power of ten
+constexpr int kSteps = 5;  // steps of an axis, which ends at 1, 2 or 5 times a power of ten
 
 using Polygon = std::vector<Vec3d>;
 

@@ -1,5 +1,5 @@
-// Charts of measured orders as inline SVG: spheres of view directions, plots and histograms.
-// In: orders, viewpoints and their errors. Out: SVG for a page with the style of html_page.h.
+// Draws charts of measured orders as inline SVG: spheres of view directions, plots and histograms. In:
+// orders, viewpoints and their errors. Out: SVG for a page with the style of html_page.h.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@ std::string order_sphere_svg(const OrderSet& orders);
 // are the viewpoints.
 std::string error_sphere_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames);
 
-// Returns the wrong pixels of every viewpoint over its distance, and the mean of each distance bin as steps.
+// Returns a plot of the wrong pixels of every viewpoint over its distance, with the mean of each range of
+// distances as steps.
 std::string distance_plot_svg(std::span<const Viewpoint> viewpoints, std::span<const FrameError> frames,
                               std::span<const DistanceError> bins, double nearest, double farthest);
 

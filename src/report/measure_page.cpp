@@ -1,4 +1,4 @@
-// The page of a measurement: headline, images, methods, and error over the sphere and over distance.
+// Makes the page of a measurement: headline, images, methods, and error over the sphere and over distance.
 // In: a measure report, an order set and images (pellucid/report.h). Out: one self-contained HTML page.
 #include <fmt/format.h>
 

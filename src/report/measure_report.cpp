@@ -1,5 +1,5 @@
-// The quality of order sets and of the baselines, as a table and as JSON.
-// In: a measure report (pellucid/report.h). Out: text and JSON (docs/json.md).
+// Writes the quality of order sets and of the baselines as a table and as JSON. In: a measure report
+// (pellucid/report.h). Out: text and JSON (docs/json.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -55,7 +55,8 @@ Json json_of(const PrimitiveMeasureReport& primitive) {
           {"notes", primitive.notes}};
 }
 
-// Returns the method of that name over all primitives: means of means, and the worst of the worst values.
+// Returns the results of the method of that name over all primitives: means of means, and the worst of the
+// worst values.
 MethodReport pooled_method(const MeasureReport& report, const std::string& name) {
   MethodReport sum;
   double count = 0;
@@ -122,7 +123,7 @@ void add_row(TextTable& table, const MethodReport& method) {
                  format_nanoseconds(method.nanoseconds_per_frame)});
 }
 
-// Returns a table of ACMR by cache, which shows what an order costs with a cache that it was not tuned for.
+// Returns a table of ACMR by cache. It shows what an order costs with a cache that it was not optimised for.
 std::string cache_table(const PrimitiveMeasureReport& primitive) {
   std::vector<std::string> header{"misses per triangle"};
   for (const ReportedCache& cache : kReportedCaches) {

@@ -1,5 +1,5 @@
-// What was ordered, of one file or of many, as a table, one line and JSON.
-// In: order reports (pellucid/report.h). Out: text and JSON (docs/json.md).
+// Writes what was ordered, for one file or many, as a table, one line and JSON. In: order reports
+// (pellucid/report.h). Out: text and JSON (docs/json.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ Json json_of(const SplitReport& split) {
           {"limit_met", split.limit_met}};
 }
 
-// Returns null for values below 0, which were not measured.
+// Returns null for values below 0, which means that they were not measured.
 Json json_or_null(double value) {
   return value < 0 ? Json(nullptr) : Json(value);
 }
@@ -104,7 +104,7 @@ Json json_of(const OrderReport& report) {
     vertices += primitive.vertices;
     memory += primitive.memory_bytes;
     dropped += primitive.statistics.dropped_edges;
-    // Shares cannot be added up. The mean weighted by triangles says what a typical primitive lost.
+    // Shares cannot be added up. The mean weighted by triangles shows what a typical primitive lost.
     dropped_weight += primitive.statistics.dropped_weight * static_cast<double>(primitive.triangles);
     cyclic_cells += primitive.statistics.cyclic_cells;
     stages.graph += primitive.statistics.seconds.graph;

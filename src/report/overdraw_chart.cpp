@@ -1,5 +1,5 @@
-// The chart of overdraw over the animation, as in figure 8 of Han and Sander 2017 but key frame by key frame.
-// In: an overdraw report (pellucid/overdraw_report.h). Out: SVG.
+// Draws overdraw over the animation, as in figure 8 of Han and Sander 2017 but for each key frame. In: an
+// overdraw report (pellucid/overdraw_report.h). Out: SVG.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kChartWidth = 960;
 constexpr double kChartLeft = 60;
-constexpr double kChartRight = 800;  // names of the curves stand to the right
+constexpr double kChartRight = 800;  // names of the curves are to the right of it
 constexpr double kChartTop = 60;
 constexpr double kChartBottom = 300;
 constexpr double kChartHeight = 334;
-constexpr double kBarLeft = 150;  // names of the bars stand to the left
+constexpr double kBarLeft = 150;  // names of the bars are to the left of it
 constexpr double kBarPitch = 30;
 constexpr double kBarHeight = 18;
 constexpr int kMostAxisSteps = 5;      // steps of an axis
@@ -29,8 +29,8 @@ constexpr double kCharacter = 7.2;          // mean width at 12 pixels
 constexpr double kClipRoom = 84;            // pixels for the name of a clip, even where the clip is narrower
 constexpr double kSeparatorGap = 6;         // clips closer than this have separators only beside their names
 
-// Key frames begin .. end - 1 of one clip: the whole clip (a segment of the axis) or a part (a point of a
-// curve).
+// The key frames begin .. end - 1 of one clip. They are a whole clip (a segment of the axis) or a part of it
+// (a point of a curve).
 struct FrameRange {
   std::uint32_t clip = 0;
   std::size_t begin = 0, end = 0;
@@ -49,8 +49,8 @@ std::vector<FrameRange> clip_ranges(const OverdrawReport& report, std::size_t fr
   return ranges;
 }
 
-// Returns the points of a clip: at most kMostBins over all clips, but at least one per clip. No point mixes
-// clips.
+// Returns the points of a clip: at most kMostBins over all clips, but at least one per clip. A point belongs
+// to one clip only.
 std::vector<FrameRange> bins_of(const FrameRange& clip, std::size_t frames) {
   const std::size_t share = frames <= kMostBins ? clip.size() : clip.size() * kMostBins / frames;
   const std::size_t count = std::max<std::size_t>(1, share);
@@ -65,7 +65,7 @@ bool is_seen(double overdraw) {
   return std::isfinite(overdraw) && overdraw > 0;
 }
 
-// Returns the mean over the frames in which anything was visible; 0 if there is none.
+// Returns the mean over the frames in which anything was visible, or 0 if there is none.
 double mean_of(const std::vector<double>& by_frame, const FrameRange& bin) {
   double sum = 0;
   std::size_t seen = 0;
@@ -77,7 +77,7 @@ double mean_of(const std::vector<double>& by_frame, const FrameRange& bin) {
   return seen == 0 ? 0 : sum / static_cast<double>(seen);
 }
 
-// An axis of overdraw: from 1 in steps of 1, 2 or 5 times a power of ten.
+// An axis of overdraw, which begins at 1 and has steps of 1, 2 or 5 times a power of ten.
 class Axis {
  public:
   Axis(double most, double at_one, double at_end) : at_one_(at_one), at_end_(at_end) {
@@ -143,7 +143,7 @@ class OverdrawCurves {
     return most;
   }
 
-  // Returns where a frame begins: frame f extends from x(f) to x(f + 1).
+  // Returns the x coordinate where a frame begins. Frame f extends from x(f) to x(f + 1).
   [[nodiscard]] double x(double frame) const {
     return kChartLeft + (kChartRight - kChartLeft) * frame / static_cast<double>(frames_);
   }
@@ -167,7 +167,7 @@ class OverdrawCurves {
   }
 
   struct ClipName {
-    std::size_t frame = 0;  // the first of the clip
+    std::size_t frame = 0;  // the first frame of the clip
     std::string text;
     double left = 0, right = 0;
   };
@@ -177,7 +177,7 @@ class OverdrawCurves {
     return is_named ? report_.clips[clip.clip].name : fmt::format("clip {}", clip.clip);
   }
 
-  // Returns names of clips in places that do not overlap. Long clips choose first.
+  // Returns the names of clips in places that do not overlap. Long clips choose first.
   [[nodiscard]] std::vector<ClipName> placed_names() const {
     std::vector<FrameRange> longest_first = clips_;
     std::stable_sort(longest_first.begin(), longest_first.end(),
@@ -216,8 +216,8 @@ class OverdrawCurves {
     return svg;
   }
 
-  // Returns the lines of a clip, which are broken where nothing was visible. A lone point is drawn as wide as
-  // its bin.
+  // Returns the lines of a clip, which are interrupted where nothing was visible. A single point is drawn as
+  // wide as its bin.
   [[nodiscard]] std::string polylines(const FrameRange& clip, const std::vector<double>& values) const {
     const std::vector<FrameRange> bins = bins_of(clip, frames_);
     std::string svg;
@@ -240,7 +240,7 @@ class OverdrawCurves {
 
   struct Label {
     std::size_t row = 0;
-    double end = 0, y = 0;  // heights of the end of the curve and of the name
+    double end = 0, y = 0;  // y of the end of the curve and of the name
   };
 
   // Returns labels for all rows that have a curve, beside the ends of the curves and not over each other.

@@ -1,5 +1,5 @@
-// The page of overdraw orders: the orders beside the baselines, the chart, and heat maps.
-// In: an overdraw report and heat maps (pellucid/overdraw_report.h). Out: one self-contained HTML page.
+// Makes the page of overdraw orders: the orders and the baselines, the chart, and heat maps. In: an overdraw
+// report and heat maps (pellucid/overdraw_report.h). Out: one self-contained HTML page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ double excess_of(const OverdrawRow& row) {
   return row.key_frames.mean - 1;
 }
 
-// Returns the row that excess is compared with: the paper's method, otherwise meshoptimizer's. Null if
-// neither was measured.
+// Returns the row that excess overdraw is compared with: the method of the paper, or else that of
+// meshoptimizer. Null if neither was measured.
 const OverdrawRow* reference_row(const OverdrawReport& report) {
   for (const char* name : {"paper", "meshopt"}) {
     for (const OverdrawRow& row : report.rows)
@@ -115,7 +115,7 @@ std::string table(const OverdrawReport& report) {
   return text + "</tbody></table></div>";
 }
 
-// Returns an explanation of the methods that the library has; null for other names.
+// Returns an explanation of the methods that the library has, and null for other names.
 const char* explanation_of(const std::string& name) {
   if (name == "refined") return "patches of triangles by measured overdraw, cut where it pays";
   if (name == "paper") return "patches of triangles by summed distance (Han and Sander 2017)";
@@ -165,8 +165,8 @@ std::string heat_legend() {
   return text + "</ul>";
 }
 
-// Returns a row of heat maps per method. All rows have as many columns as the longest one, so that frames
-// stand below each other. With a single pose there is one image per method, and these stand side by side.
+// Returns one row of heat maps per method. All rows have as many columns as the longest one, so that frames
+// are aligned. With a single pose there is one image per method, and these are side by side.
 std::string sheet_section(const std::vector<std::vector<HeatMap>>& sheet) {
   std::size_t columns = 0;
   for (const std::vector<HeatMap>& row : sheet) columns = std::max(columns, row.size());

@@ -1,5 +1,5 @@
-// Overdraw orders beside the baselines, as a table and JSON.
-// In: an overdraw report (pellucid/overdraw_report.h). Out: text and JSON (docs/json.md).
+// Writes overdraw orders and the baselines as a table and JSON. In: an overdraw report
+// (pellucid/overdraw_report.h). Out: text and JSON (docs/json.md).
 #include "pellucid/overdraw_report.h"
 
 #include <fmt/format.h>

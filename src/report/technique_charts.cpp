@@ -1,4 +1,4 @@
-// Techniques as points and bars, and places for the names beside points.
+// Implements technique_charts.h: techniques as points and bars, and places for the names of points.
 #include "report/technique_charts.h"
 
 #include <fmt/format.h>
@@ -15,15 +15,16 @@ namespace {
 
 // ---------------------------------------------------------------------------------------- places for names
 
-constexpr double kCharacterWidth = 7;  // of text of 12 pixels; most characters are narrower
+constexpr double kCharacterWidth = 7;  // at 12 pixels; most characters are narrower
 constexpr double kTextHeight = 14;
-constexpr double kPointRadius = 5;  // with the space around it that stays free
+constexpr double kPointRadius = 5;  // including the free space around it
 constexpr double kNear = 8;
 constexpr double kRing = 14;  // distance from one ring of places to the next
 constexpr int kRings = 12;
 constexpr int kDirections = 16;
 
-// Returns the box of a name whose nearest edge is `distance` from its point, at an angle from the right.
+// Returns the box of a name whose nearest edge is `distance` from its point, in a direction given by the
+// angle from the right.
 LabelBox box_towards(const LabelPoint& point, double angle, double distance) {
   const double width = kCharacterWidth * static_cast<double>(point.name.size());
   const double x = std::cos(angle);
@@ -35,7 +36,7 @@ LabelBox box_towards(const LabelPoint& point, double angle, double distance) {
 
 std::vector<PlacedLabel> places_of(const LabelPoint& point) {
   std::vector<PlacedLabel> places;
-  // Right, left, above, below.
+  // First right, left, above and below.
   for (const double angle : {0.0, std::numbers::pi, -std::numbers::pi / 2, std::numbers::pi / 2})
     places.push_back({box_towards(point, angle, kNear), false});
   for (int ring = 1; ring <= kRings; ++ring) {
@@ -66,7 +67,7 @@ std::string svg_of(double height, const std::string& title, const std::string& c
       kTechniqueWidth, height, escape_html(title), kChartStyle, content);
 }
 
-// Returns the title, and at the other end of its line what the colours mean.
+// Returns the title and, at the other end of its line, the legend of the colours.
 std::string head_svg(const std::string& title) {
   constexpr double kLine = 24;
   const auto key = [](bool exact, double x, const std::string& words) {
@@ -82,7 +83,7 @@ std::string head_svg(const std::string& title) {
 
 constexpr double kCostLeft = 70;
 constexpr double kCostRight = 920;
-constexpr double kLineAt = 136;    // height of the line of the exact image; names stand above it
+constexpr double kLineAt = 136;    // y of the line of the exact image; names are above it
 constexpr double kErrorTop = 166;  // the highest PSNR below the line
 constexpr double kErrorHeight = 230;
 constexpr double kMarkStep = 10;    // dB, between marks
@@ -155,7 +156,7 @@ class CostPlot {
     return svg + text_svg((kCostLeft + kCostRight) / 2, bottom_ + 42, "middle", "small soft", chart_.x_title);
   }
 
-  // Joins the techniques of the Pareto front by steps.
+  // Returns the steps that join the techniques of the Pareto front.
   [[nodiscard]] std::string pareto_steps() const {
     std::vector<const TechniquePoint*> cheapest_first;
     for (const TechniquePoint& point : chart_.points) cheapest_first.push_back(&point);
@@ -179,7 +180,7 @@ class CostPlot {
                        kPointSize);
   }
 
-  // Draws the points on the line. Their names lean, so that there is room for many.
+  // Returns the points on the line. Their names are tilted, so that many fit.
   [[nodiscard]] std::string equal_points() const {
     std::vector<const TechniquePoint*> points;
     std::vector<double> places;
@@ -188,7 +189,7 @@ class CostPlot {
       points.push_back(&point);
       places.push_back(x(point.cost));
     }
-    // The last name needs room on its right as well.
+    // The last name also needs space on its right.
     constexpr double kLean = 50;
     const std::vector<double> names = spread_labels(places, kCostLeft, kCostRight - kLean);
     std::string svg;
@@ -247,7 +248,7 @@ constexpr double kLabelWidth = 108;  // beside the longest bar
 constexpr double kCutAt = 6;         // longest bar, as a multiple of the median
 constexpr double kLeastBar = 1.5;    // pixels, so that the colour of a short bar shows
 
-// Returns the value of the longest bar: the largest value, or less where that would make all other bars too
+// Returns the value of the longest bar: the largest value, or less if that would make all other bars too
 // short. Longer bars are cut.
 double bar_end(const std::vector<double>& values) {
   std::vector<double> sorted;
@@ -274,7 +275,7 @@ std::string column_svg(const BarChart& chart, const BarColumn& column, double le
     }
     svg += group_svg(color_of(chart.exact[i]), false, chart.names[i] + ": " + column.labels[i], content);
     if (std::isfinite(value) && value > end * (1 + 1e-9)) {
-      // Draw a gap, which shows that the bar is cut.
+      // A gap shows that the bar is cut.
       svg += fmt::format("<path d=\"M{:.1f},{:.1f}l6,-15h5l-6,15z\" class=\"ground\"/>", left + longest - 24,
                          top + kRowHeight - 2);
     }

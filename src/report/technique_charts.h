@@ -1,5 +1,5 @@
-// Charts of techniques: error over cost as points, and measures as bars. Techniques that promise to capture
-// everything have one colour, the others another. In: measures of techniques. Out: SVG.
+// Draws charts of techniques: error over cost as points, and measured values as bars. Techniques that promise
+// to capture everything have one colour, the others another. In: measured values of techniques. Out: SVG.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace pellucid {
 struct TechniquePoint {
   std::string name, tooltip;
   bool exact = false;  // the technique promises to capture every fragment
-  bool equal = false;  // no visible error: the point stands on the line of the exact image
+  bool equal = false;  // no visible error: the point is on the line of the exact image
   double cost = 0;     // above 0
   double psnr = 0;     // not used where `equal` is set
 };
@@ -20,8 +20,9 @@ struct CostChart {
   std::function<std::string(double)> x_text;
   std::vector<TechniquePoint> points;
 };
-// Returns a chart with cost along a logarithmic axis, PSNR upwards, and above it a line for all techniques
-// that equal the exact image. Steps join the Pareto front: the techniques that no other beats in both.
+// Returns a chart with cost along a logarithmic axis and PSNR upwards. A line above it holds all techniques
+// that equal the exact image. Steps join the Pareto front: the techniques that no other technique beats in
+// both.
 std::string cost_chart_svg(const CostChart& chart);
 
 struct BarColumn {
@@ -57,11 +58,10 @@ struct LabelPoint {
 
 struct PlacedLabel {
   LabelBox box;
-  bool far = false;  // a line has to lead from the point to its name
+  bool far = false;  // a line leads from the point to its name
 };
-// Returns a box for the name of every point, as near to the point as there is room within `area`, so that
-// names cover neither each other nor points. Where no room is left, the name stands to the right of its
-// point.
+// Returns a box for the name of every point, as near to the point as possible within `area`, so that names
+// cover neither each other nor points. If there is no free place, the name is to the right of its point.
 std::vector<PlacedLabel> place_labels(const std::vector<LabelPoint>& points, const LabelBox& area);
 
 }  // namespace pellucid

@@ -1,5 +1,4 @@
-// Numbers and tables as plain text, for terminals.
-// In: numbers and cells. Out: text in UTF-8.
+// Formats numbers and tables as plain text for terminals. In: numbers and cells. Out: text in UTF-8.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +8,7 @@
 namespace pellucid {
 namespace {
 
-// Returns the number of terminal columns of UTF-8 text. Continuation bytes take none.
+// Returns the number of terminal columns of UTF-8 text, in which continuation bytes do not count.
 std::size_t display_width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));

@@ -1,4 +1,4 @@
-// Meshes and helpers that the tests of several modules use.
+// Makes meshes, and has helpers that the tests of several modules use.
 #pragma once
 
 #include <cstdint>

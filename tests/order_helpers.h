@@ -1,4 +1,5 @@
-// Small meshes and random graphs for the tests of the modules `sequencing`, `transparency` and `baseline`.
+// Makes small meshes and random graphs for the tests of the modules `sequencing`, `transparency` and
+// `baseline`.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Subjects, random lists and naive oracles for the tests of overdraw orders.
+// Makes subjects and random lists, and has naive oracles, for the tests of overdraw orders.
 #pragma once
 
 #include <algorithm>
@@ -155,7 +155,7 @@ inline std::vector<OverdrawView> random_views(const OverdrawSubject& subject, st
 }
 
 // A list of at most `fragments` fragments of `patches` patches, some as near as the one before, as if the
-// patches drew them in a random sequence.
+// patches drew them in a random order.
 inline std::vector<Layer> random_list(std::uint32_t patches, std::uint32_t fragments, Random& random) {
   std::vector<Layer> layers;
   const auto count = 2 + random.below(fragments - 1);

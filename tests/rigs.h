@@ -1,4 +1,4 @@
-// Small animated glTF files made by hand, for the tests of modules `asset` and `scene`.
+// Makes small animated glTF files by hand for the tests of the modules `asset` and `scene`.
 #pragma once
 
 #include "asset/gltf_helpers.h"

@@ -1,5 +1,5 @@
-// pellucid techniques: every way of capturing fragments that `render` knows, and what this machine has for
-// it.
+// Implements `pellucid techniques`, which lists every capture technique of `render`, and what this machine
+// lacks for it.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,4 +1,4 @@
-// Renderer in a build without Vulkan: its constructor throws.
+// Implements Renderer in a build without Vulkan: its constructor throws.
 #include "pellucid/render.h"
 
 namespace pellucid {

@@ -138,7 +138,7 @@ class Panel {
                             format_count(primitive_.triangles), escape_html(report_.views)));
   }
 
-  // Returns the marker of the chosen number of buffers.
+  // Returns a rectangle behind the chosen number of buffers.
   [[nodiscard]] std::string marks() const {
     const double half = 0.5 * (kFrontierRight - kFrontierLeft) / static_cast<double>(points_.size());
     return fmt::format(

@@ -1,4 +1,4 @@
-// The front door for files: read a model, order it, write it, and read its orders again.
+// Tests the C++ interface for files: reading a model, ordering it, writing it, and reading its orders again.
 #include <filesystem>
 #include <functional>
 #include <string>

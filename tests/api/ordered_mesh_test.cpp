@@ -1,4 +1,4 @@
-// The front door in memory: the caller's arrays, index buffers, and the choice of an order.
+// Tests the C++ interface in memory: the arrays of the caller, index buffers, and the choice of an order.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,5 @@
-// Small model files for tests. In: text or bytes. Out: what read_model() returns, or its error message.
+// Writes small model files for tests. In: text or bytes. Out: what read_model() returns, or its error
+// message.
 #pragma once
 
 #include <gtest/gtest.h>

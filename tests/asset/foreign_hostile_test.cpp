@@ -1,5 +1,5 @@
-// Damaged and hostile PLY, OBJ, STL and OFF files: every error message with its place, and thousands of
-// damaged files.
+// Tests damaged and hostile PLY, OBJ, STL and OFF files: every error message with its place, and thousands of
+// files that are damaged at random.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ TEST(HostilePly, RefusesCountsThatTheFileCannotHold) {
   EXPECT_EQ(complaint("a.ply", kPlyVertices + kPlyFaces + "end_header\n" + kTriangle + "3 0 1 2\n",
                       {.max_elements = 2}),
             ": 3 vertices; the limit is 2");
-  // Elements without properties take no room, and no time.
+  // Elements without properties take no memory and no time.
   EXPECT_EQ(mesh_of("a.ply", kPlyVertices + "element nothing 9000000000000000000\n" + kPlyFaces +
                                  "end_header\n" + kTriangle + "3 0 1 2\n")
                 .triangles.size(),

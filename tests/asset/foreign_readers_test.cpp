@@ -1,5 +1,5 @@
-// Reading PLY, OBJ, STL and OFF: every feature on small files, and the triangle counts of the development
-// models.
+// Tests reading of PLY, OBJ, STL and OFF: every feature on small files, and the triangle counts of the
+// development models.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

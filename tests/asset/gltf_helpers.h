@@ -1,4 +1,4 @@
-// Small glTF files made by hand, and order sets made at random, for the tests of module `asset`.
+// Makes small glTF files by hand, and random order sets, for the tests of the module `asset`.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Reading glTF: every legal form of geometry gives the triangles that a viewer draws, and all other files are
-// refused with a clear message.
+// Tests reading of glTF: every legal form of geometry gives the triangles that a viewer draws, and all other
+// files are refused with a clear message.
 #include <meshoptimizer.h>
 
 #include "gltf_helpers.h"

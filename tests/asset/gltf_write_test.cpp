@@ -1,5 +1,5 @@
-// Writing glTF: nothing in a file is lost, models of other formats become valid documents, and failures leave
-// no files behind.
+// Tests writing of glTF: nothing in a file is lost, models of other formats become valid documents, and
+// failures leave no files behind.
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// Materials of glTF and OBJ files, with textures of all forms and images that are damaged or absurd; PNG
-// files.
+// Tests materials of glTF and OBJ files, with all forms of textures, damaged images and images of absurd
+// sizes, and PNG files.
 #include "pellucid/material.h"
 
 #ifdef PELLUCID_WITH_JPEG

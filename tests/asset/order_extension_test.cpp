@@ -1,5 +1,5 @@
-// Orders in glTF files: orders are read as they were written, in every encoding, and can be removed without a
-// trace.
+// Tests orders in glTF files: orders are read as they were written, in every encoding, and can be removed
+// completely.
 #include "gltf_helpers.h"
 
 namespace pellucid::test {
@@ -355,7 +355,7 @@ TEST(OrderNodes, ResolvesDuplicatesAndCoincidentFacingsInOrder) {
   const TempFolder folder;
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  // Twice the same triangle, once rotated, and its back: the flipped twin of each is the other side's facing.
+  // Twice the same triangle, once rotated, and its back: the flipped copy of each is the other side's facing.
   mesh.triangles = {{0, 1, 2}, {1, 2, 0}, {0, 2, 1}};
   Random random(37);
   OrderSet set = random_orders(random, mesh, {}, 1, Facing::duplicated);

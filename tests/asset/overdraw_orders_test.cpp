@@ -1,5 +1,5 @@
-// Overdraw orders in glTF files: patches, model ranks and key frames are read as they were written, in every
-// encoding, are shared between primitives, and can be removed again.
+// Tests overdraw orders in glTF files: patches, model ranks and key frames are read as they were written, in
+// every encoding, are shared between primitives, and can be removed again.
 #include "gltf_helpers.h"
 
 namespace pellucid::test {

@@ -1,4 +1,4 @@
-// Reading what moves a glTF model: every legal form of joints, morph targets and key frames is read, and all
+// Tests reading of animations: every legal form of joints, morph targets and key frames is read, and all
 // other files are refused with a clear message.
 #include "pellucid/animation.h"
 #include "rigs.h"

@@ -1,4 +1,4 @@
-// Writing primitives that were split into their glTF: every kind of attribute gets the new vertices, and
+// Tests writing of split primitives into their glTF: every kind of attribute gets the new vertices, and
 // nothing else changes.
 #include <map>
 

@@ -1,4 +1,4 @@
-// Baselines and cache statistics against hand counts and plain properties.
+// Tests baselines and cache statistics against hand counts and simple properties.
 #include <gtest/gtest.h>
 
 #include <algorithm>

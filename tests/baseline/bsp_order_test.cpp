@@ -1,4 +1,5 @@
-// The walk of a binary space partition against rays and against the raster, from outside and inside the hull.
+// Tests the walk of a binary space partition against rays and against the raster, from outside and inside the
+// hull.
 #include <gtest/gtest.h>
 
 #include <optional>

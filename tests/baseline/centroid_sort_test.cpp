@@ -1,4 +1,4 @@
-// The radix sort of centroids against a plain sort in double precision.
+// Tests the radix sort of centroids against a simple sort in double precision.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -1,4 +1,5 @@
-// Depth-presorted lists against the raster, from the viewpoints that they are made for and between them.
+// Tests depth-presorted lists against the raster, from the viewpoints for which they are made and between
+// them.
 #include <gtest/gtest.h>
 
 #include "baseline/presorted_region.h"

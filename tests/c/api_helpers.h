@@ -1,4 +1,4 @@
-// Meshes and handles for the tests of the C interface.
+// Makes meshes and handles for the tests of the C interface.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The C interface with files: read, order, write, read again.
+// Tests the C interface with files: read, order, write, read again.
 #include <filesystem>
 #include <fstream>
 #include <string>

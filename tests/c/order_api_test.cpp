@@ -1,4 +1,4 @@
-// The C interface with arrays: orders, their contents, and their measures.
+// Tests the C interface with arrays: orders, their contents, and their measures.
 #include <algorithm>
 #include <array>
 #include <string>

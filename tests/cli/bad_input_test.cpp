@@ -1,4 +1,5 @@
-// Every bad input is one line on stderr that names the file, and the right exit code. Nothing is left behind.
+// Tests bad input: each case gives one line on stderr that names the file, and the right exit code. Nothing
+// is left behind.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Techniques with a memory budget from the command line.
+// Tests techniques with a memory budget from the command line.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Options of render and compare have one meaning, and are refused where they have no effect.
+// Tests that options of render and compare have one meaning, and are refused if they have no effect.
 #include <gtest/gtest.h>
 
 #include "command_line.h"

@@ -1,4 +1,4 @@
-// Runs the real program: see command_line.h.
+// Implements command_line.h: runs the real program.
 #include "command_line.h"
 
 #include <fcntl.h>

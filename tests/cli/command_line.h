@@ -1,4 +1,4 @@
-// Runs the real program, as another program would.
+// Runs the real program as another program would. In: arguments. Out: its exit code and output.
 #pragma once
 
 #include <sys/types.h>
@@ -61,7 +61,7 @@ struct Samples {
 };
 const Samples& samples();
 
-// `order` in a moment: few cells, two buffers, no validation.
+// A quick `order`: few cells, two buffers, no validation.
 Arguments quick_order(const std::string& input, const std::string& output, const Arguments& more = {});
 
 std::string slurp(const std::string& path);

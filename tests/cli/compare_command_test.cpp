@@ -1,4 +1,4 @@
-// pellucid compare.
+// Tests `pellucid compare`.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -1,4 +1,4 @@
-// What other programs rely on: --help, --version, the common options of every subcommand.
+// Tests what other programs rely on: --help, --version, the common options of every subcommand.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

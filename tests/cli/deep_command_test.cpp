@@ -1,4 +1,4 @@
-// All fragments of an image from the command line.
+// Tests --deep and --pixel, which write all fragments of an image.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// pellucid order --frontier, --min-psnr, --alpha.
+// Tests `pellucid order` with --frontier, --min-psnr and --alpha.
 #include <gtest/gtest.h>
 
 #include <algorithm>

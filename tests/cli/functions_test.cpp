@@ -1,4 +1,4 @@
-// The parts of the command line that are functions: compacted meshes, selections, cameras as text.
+// Tests the functions of the command line: compacted meshes, selections, cameras as text.
 #include <gtest/gtest.h>
 
 #include "camera_options.h"

@@ -1,5 +1,5 @@
-// pellucid order --checkpoint: runs that were killed or interrupted end with the bytes of those that were
-// not.
+// Tests `pellucid order --checkpoint`: runs that were killed or interrupted end with the same bytes as runs
+// that were not.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -1,4 +1,4 @@
-// pellucid measure: table, JSON, report, several files.
+// Tests `pellucid measure`: table, JSON, report, several files.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Options have one meaning everywhere: old names are refused with the new one, and so are options without
-// effect.
+// Tests that options have one meaning everywhere: old names are refused with the new one, and so are options
+// without effect.
 #include <gtest/gtest.h>
 
 #include "command_line.h"

@@ -1,4 +1,5 @@
-// pellucid order with many models: one output each, failures listed, the rest done.
+// Tests `pellucid order` with many models: each has one output, failures are listed, and the other models are
+// ordered.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -1,4 +1,4 @@
-// pellucid order: results, exit codes, determinism, interruption.
+// Tests `pellucid order`: results, exit codes, determinism, interruption.
 #include <gtest/gtest.h>
 
 #include <csignal>

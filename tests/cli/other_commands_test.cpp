@@ -1,4 +1,4 @@
-// pellucid inspect, render, sample, techniques.
+// Tests `pellucid` inspect, render, sample and techniques.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -104,7 +104,7 @@ TEST(RenderCommand, PosesAndCamerasAreThoseOfTheFile) {
     EXPECT_EQ(done.code, 0) << done.err;
     return nlohmann::json::parse(done.out)["covered_pixels"].get<int>();
   };
-  // Half the height of a picture of 40 rows.
+  // Half the height of an image of 40 rows.
   EXPECT_EQ(pixels({"--camera", "file:front"}), 400);
   EXPECT_EQ(pixels({"--camera", "file:0", "--animation", "away"}), 400);
   // A tenth of a second moves it by one unit, ten pixels of which are still to be seen.

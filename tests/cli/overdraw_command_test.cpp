@@ -1,4 +1,4 @@
-// pellucid overdraw.
+// Tests `pellucid overdraw`.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ std::string moving_shells(const TemporaryFolder& folder) {
   return moving;
 }
 
-// In a moment: few viewpoints, small pictures.
+// Options of a quick run: few viewpoints, small images.
 Arguments quick(const std::string& input, const Arguments& more = {}) {
   Arguments arguments{"overdraw", input, "--views", "42", "--size", "64", "--max-images", "60"};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -101,7 +101,7 @@ TEST(OverdrawCommand, OrdersAnAnimatedModelAndSaysHowWell) {
     EXPECT_GE(row["overdraw_mean"].get<double>(), 1.0) << name;
     EXPECT_GE(row["acmr"].get<double>(), 0.4) << name;
     EXPECT_GE(row["buffer_count"].get<int>(), 1) << name;
-    // The shells hide each other: whoever does not look at them draws much in vain.
+    // The shells hide each other, so an order that ignores overdraw wastes many fragments.
     EXPECT_LE(mean, row["overdraw_mean"].get<double>() + 1e-3) << name;
   }
   EXPECT_EQ(json["baselines"]["per-frame"]["buffer_count"], 6);
@@ -120,7 +120,7 @@ TEST(OverdrawCommand, OrdersAnAnimatedModelAndSaysHowWell) {
   EXPECT_TRUE(found) << inspected.dump(1).substr(0, 2000);
 }
 
-// A file as a renderer draws it: every primitive by its own orders, in the sequence of their ranks.
+// A file as a renderer draws it: every primitive by its own orders, in the order of their ranks.
 class FileDrawing {
  public:
   explicit FileDrawing(const std::string& path) : model_(read_model(path)), posable_(model_) {
@@ -325,7 +325,7 @@ TEST(OverdrawCommand, RefusesToSubdivideInABuildWithoutOpenSubdiv) {
 #endif
 
 #if defined(PELLUCID_WITH_RENDERER)
-// What is drawn first stays: the sequence of drawing is that of the orders, at rest and in motion.
+// What is drawn first remains visible: triangles are drawn in the orders of the file, at rest and in motion.
 TEST(OverdrawCommand, RendersInTheDrawOrderOfTheFile) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");

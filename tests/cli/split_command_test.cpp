@@ -1,4 +1,4 @@
-// pellucid order --split.
+// Tests `pellucid order --split`.
 #include <gtest/gtest.h>
 
 #include "command_line.h"

@@ -1,4 +1,4 @@
-// Images of a frame: blending by hand, missing nodes, error images.
+// Tests the images of a frame: blending computed by hand, missing nodes, error images.
 #include <gtest/gtest.h>
 
 #include "metric_helpers.h"

@@ -1,4 +1,4 @@
-// Scenes with known answers, for the tests of module `metric`.
+// Makes scenes with known answers for the tests of the module `metric`.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// IPR and PSNR: scenes with known answers, exact and reversed orders, determinism, being told to stop.
+// Tests IPR and PSNR: scenes with known answers, exact and reversed orders, determinism, interruption.
 #include <gtest/gtest.h>
 
 #include <atomic>

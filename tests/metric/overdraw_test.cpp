@@ -1,4 +1,4 @@
-// Overdraw against a z-buffer that draws the triangles one after the other.
+// Tests overdraw against a z-buffer that draws the triangles one after the other.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -10,7 +10,7 @@ namespace {
 
 using testing::random_soup;
 
-// Every triangle is rasterised alone, in sequence, against a depth buffer.
+// Every triangle is rasterised alone, in draw order, against a depth buffer.
 OverdrawStatistics draw_with_depth_buffer(const Mesh& mesh, std::span<const Viewpoint> viewpoints,
                                           std::uint32_t size, std::span<const NodeId> sequence) {
   OverdrawStatistics total;

@@ -1,4 +1,4 @@
-// Pixels whose fragments are drawn in the right order, and in a wrong one.
+// Tests which pixels are drawn in the right order and which are not.
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"
@@ -22,7 +22,7 @@ TEST(PixelInOrder, LiteralCases) {
   EXPECT_FALSE(in_order({{0.1F, 0}, {0.2F, 2}, {0.3F, 1}}, ranks));
   // Not neighbours, but wrong all the same.
   EXPECT_FALSE(in_order({{0.1F, 1}, {0.2F, 2}, {0.3F, 0}}, ranks));
-  // A node that the sequence does not hold is not drawn.
+  // A node that the order does not contain is not drawn.
   EXPECT_FALSE(in_order({{0.1F, 0}, {0.2F, 3}}, ranks));
   EXPECT_FALSE(in_order({{0.1F, 3}}, ranks));
 }

@@ -1,4 +1,4 @@
-// Compact patches: links, sets, short runs, and what is made of them.
+// Tests compact patches: links, sets, short runs, and the patches made of them.
 #include "overdraw/compact_patches.h"
 
 #include <gtest/gtest.h>

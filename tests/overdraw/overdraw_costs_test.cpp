@@ -1,4 +1,4 @@
-// Orders of patches by measured overdraw: pairwise preferences and sifting against brute force.
+// Tests orders of patches by measured overdraw: pairwise preferences and sifting against brute force.
 #include "overdraw/overdraw_costs.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(LayerRows, SayExactlyWhatAMoveCosts) {
       EXPECT_EQ(std::adjacent_find(distinct.begin(), distinct.end()), distinct.end());
       for (std::uint32_t to = 0; to < patches; ++to) {
         const std::vector<std::uint32_t> after = moved(ranks, patch, to);
-        // The room holds just the ranks of the part.
+        // The free range contains exactly the ranks of the part.
         const bool inside = first < to && to < last;
         const auto others = [&] {
           for (std::uint32_t other = 0; other < patches; ++other) {

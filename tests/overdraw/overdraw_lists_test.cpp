@@ -1,4 +1,5 @@
-// Lists of layers: what drop_hidden() leaves out, the pool, and lists against fragments drawn one by one.
+// Tests lists of layers: what drop_hidden() leaves out, the pool, and lists against fragments drawn one by
+// one.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,4 +1,4 @@
-// Overdraw orders of posed meshes: every promise of pellucid/overdraw.h.
+// Tests overdraw orders of posed meshes: every promise of pellucid/overdraw.h.
 #include "pellucid/overdraw.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ void expect_valid(const OverdrawSubject& subject, const OverdrawOptions& options
     for (std::uint32_t i = made.patch_offsets[patch]; i < made.patch_offsets[patch + 1]; ++i)
       EXPECT_EQ(parts[made.sequence[i]], made.patch_parts[patch]);
   }
-  // Parts in the sequence of the mesh.
+  // Parts in the order of the mesh.
   EXPECT_TRUE(std::is_sorted(made.patch_parts.begin(), made.patch_parts.end()));
 
   ASSERT_FALSE(made.orders.empty());

@@ -1,4 +1,4 @@
-// Patches: cutting, joining, cache walks, and what single triangles may still save.
+// Tests patches: cutting, joining, cache walks, and the savings that single triangles still allow.
 #include "overdraw/patches.h"
 
 #include <gtest/gtest.h>

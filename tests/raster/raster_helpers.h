@@ -1,4 +1,4 @@
-// Meshes, cameras and comparisons for the tests of the raster.
+// Makes meshes and cameras, and compares fragments, for the tests of the raster.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Approximations in a fixed number of bytes: exact where they have to be, and elsewhere what their papers
-// say.
+// Tests approximations with a fixed number of bytes: they are exact where they must be, and elsewhere give
+// what their papers say.
 #include <gtest/gtest.h>
 
 #include <algorithm>

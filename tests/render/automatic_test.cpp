@@ -1,5 +1,5 @@
-// `auto`: what it takes for which frame, that its images are those of what it took, and that it keeps to a
-// budget.
+// Tests `auto`: which technique it chooses for which frame, that its images are those of that technique, and
+// that it keeps to a budget.
 #include "render/capture/automatic.h"
 
 #include <gmock/gmock.h>
@@ -159,7 +159,7 @@ std::vector<std::uint32_t> reversed(std::size_t count) {
   return sequence;
 }
 
-// Sheets from the nearest to the farthest: the sequence as stored is right.
+// Sheets from the nearest to the farthest, so the stored order is right.
 RenderScene ordered_sheets() {
   RenderScene scene = testing::coplanar_squares(1, 0.125F);
   for (int i = 2; i <= 7; ++i)

@@ -1,5 +1,5 @@
-// Too little memory for all fragments: all the same in more rounds, or the nearest and the average of the
-// rest.
+// Tests techniques whose memory is too small for all fragments: they capture all in more rounds, or keep the
+// nearest and average the rest.
 #include <gtest/gtest.h>
 
 #include <algorithm>

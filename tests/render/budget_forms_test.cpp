@@ -1,4 +1,4 @@
-// Techniques with a budget in every form that they have: each keeps the same fragments, and draws the same.
+// Tests that all forms of a technique with a budget keep the same fragments and draw the same image.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -131,7 +131,7 @@ TEST_P(BudgetForms, DrawOrderDoesNotMatter) {
   EXPECT_EQ(straight.result.maps.k, shuffled.result.maps.k);
 }
 
-// From tails of blocks on, in a image whose rows are no multiple of anything.
+// From tails of blocks on, in an image whose rows are no multiple of anything.
 TEST_P(BudgetForms, AnyNumberOfBytesIsKept) {
   const RenderScene scene = testing::random_stack(47, 60);
   testing::test_renderer().load(scene);

@@ -1,3 +1,5 @@
+// Implements budget_helpers.h: draws with a budget on the device, and computes the expected result on the
+// CPU.
 #include "budget_helpers.h"
 
 namespace pellucid::testing {

@@ -1,4 +1,4 @@
-// What techniques with a budget keep, against the CPU raster.
+// Computes from the CPU raster what techniques with a budget must keep.
 #pragma once
 
 #include <algorithm>

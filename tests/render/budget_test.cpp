@@ -1,4 +1,4 @@
-// Techniques with a budget of bytes: who keeps what, against the CPU raster.
+// Tests what techniques with a budget of bytes keep, against the CPU raster.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ TEST_P(Budget, MoreBytesNeverLoseMoreWhereTheSurveyBeginsToFit) {
   }
 }
 
-// Fixed point and the sequence of blending are all that may differ.
+// Only fixed-point rounding and the order of blending may differ.
 TEST_P(Budget, EnoughBytesGiveTheExactImage) {
   const Drawn drawn = draw(4'000'000);
   RenderOptions exact;
@@ -89,7 +89,7 @@ TEST_P(Budget, EnoughBytesGiveTheExactImage) {
   EXPECT_EQ(drawn.result.stats.captured_share(), 1.0);
 }
 
-// Where all surfaces look alike their sequence does not matter, so a tail of them is exact.
+// If all surfaces look the same, their order does not matter, so a tail of them is exact.
 TEST_P(Budget, TailsHaveTheRightTransmittance) {
   RenderScene scene = testing::random_stack(42, 220);
   for (Surface& surface : scene.surfaces) surface = {.color = {0.3F, 0.6F, 0.1F}, .alpha = 0.15F};

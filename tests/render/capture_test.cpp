@@ -1,4 +1,4 @@
-// Every technique against the CPU raster: the same fragments, in the same order, each once.
+// Tests every technique against the CPU raster: it delivers the same fragments, in the same order, each once.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -130,7 +130,7 @@ TEST_P(Capture, DeepPixels) {
   expect_as_oracle(deep_stack(120), testing::unit_camera(8, 8));
 }
 
-// What is drawn does not depend on the sequence in which it is drawn.
+// The image does not depend on the draw order.
 TEST_P(Capture, ShuffledTrianglesGiveTheSameImage) {
   if (!info_.order_free) GTEST_SKIP() << "captures what is drawn first";
   RenderScene scene = testing::random_stack(5, 80);

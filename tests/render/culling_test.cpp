@@ -1,4 +1,4 @@
-// Culling of what is peeled: the same fragments in the same rounds, with fewer triangles drawn.
+// Tests culling of peeled triangles: the same fragments in the same rounds, with fewer triangles drawn.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Devices: chosen, refused, described.
+// Tests how devices are chosen, refused and described.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Images: every technique that captures all fragments draws what the S-buffer draws, whatever the effect.
+// Tests images: every technique that captures all fragments draws what the S-buffer draws, for every effect.
 #include <gtest/gtest.h>
 
 #include <algorithm>

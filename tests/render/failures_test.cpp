@@ -1,5 +1,5 @@
-// Calls of Vulkan that fail, at every place of a draw: one error that says what, no leak, and the next
-// image is right.
+// Tests Vulkan calls that fail, at every place of a draw. Each gives one error that says what failed and
+// leaks nothing, and the next image is right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -244,7 +244,7 @@ TEST(Failures, BandsHaveOpaqueSurfacesAndSamples) {
   EXPECT_TRUE(limited.validation_messages().empty());
 }
 
-// A row of pixels is the least that a image can be cut into.
+// A row of pixels is the least that an image can be cut into.
 TEST(Failures, BuffersForLessThanARowAreRefused) {
   Renderer limited({.device = testing::test_renderer().info().name, .max_buffer_bytes = 8000});
   limited.load(testing::coplanar_squares(80, 0.5F));

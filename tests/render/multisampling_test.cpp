@@ -1,4 +1,4 @@
-// Multisampling: every sample holds the fragments that the CPU raster finds at its place.
+// Tests multisampling: every sample has the fragments that the CPU raster finds at its position.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ std::vector<std::string> techniques_with_fragments() {
   return testing::techniques_that([](const TechniqueInfo& info) { return !info.blends_only; });
 }
 
-// Vulkan's standard places of four samples are pixels of a image that is four times as large.
+// Vulkan's standard places of four samples are pixels of an image that is four times as large.
 constexpr std::array<std::array<std::uint32_t, 2>, 4> kPlaces{{{1, 0}, {3, 1}, {0, 2}, {2, 3}}};
 
 bool before(const Fragment& a, const Fragment& b) {

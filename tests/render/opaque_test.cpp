@@ -1,5 +1,5 @@
-// Opaque surfaces: drawn before anything is captured, and what lies behind them is no fragment, for every
-// technique alike.
+// Tests opaque surfaces: they are drawn before anything is captured, and what lies behind them is no
+// fragment, for every technique.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

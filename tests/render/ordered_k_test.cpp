@@ -1,4 +1,5 @@
-// The ordered k-buffer: exact where no fragment comes after more than k farther ones, and it knows where.
+// Tests the ordered k-buffer: it is exact where no fragment comes after more than k farther ones, and it
+// knows where.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Overdraw as the device counts it, beside what the fragments of the CPU raster say.
+// Tests overdraw counted on the device against the fragments of the CPU raster.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Techniques that peel: how much they capture, and in how many rounds and passes.
+// Tests techniques that peel: how much they capture, and in how many rounds and passes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

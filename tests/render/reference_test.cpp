@@ -1,4 +1,4 @@
-// The CPU reference by hand-made cases, and the device's images against it.
+// Tests the CPU reference on hand-made cases, and the images of the device against it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// Implements render_helpers.h: scenes with coincident surfaces, and their fragments on the CPU.
 #include "render_helpers.h"
 
 #include <algorithm>

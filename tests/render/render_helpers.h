@@ -1,4 +1,4 @@
-// Scenes that bring coincident surfaces, and what their fragments are according to the CPU.
+// Makes scenes with coincident surfaces, and computes their fragments on the CPU.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ float largest_difference(const RenderResult& a, const RenderResult& b);
 // A fold ends where less than 1/16,384 gets through, blending in hardware does not.
 constexpr float kFoldRounding = 1.0F / 16384 + 2e-6F;
 
-// The same depths and ids in the same sequence.
+// The same depths and ids in the same order.
 bool same_fragments(std::span<const Fragment> a, std::span<const Fragment> b);
 
 // Fragments of a pixel, coincident ones by their ids.

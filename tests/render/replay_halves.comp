@@ -5,9 +5,9 @@
 #define ORDER_WORDS  // lavapipe makes a whole workgroup wait at barriers of memory, whoever gets there
 #include "capture/k_buffers/slots.glsl"
 #include "capture/k_buffers/halves_chain.glsl"
-// Brings a list of fragments (C: pixel, depth bits, id, colour) into the slots of their pixels (A) as fragment shaders do
-// that have only 32-bit atomics, but all at the same time; kK: which of the three passes. push.p0: slots of a pixel; p1:
-// not 0; p2: fragments.
+// Stores a list of fragments (C: pixel, depth bits, id, colour) in the slots of their pixels (A), as fragment
+// shaders with 32-bit atomics do, but all at the same time. kK is the number of the pass, 0 to 2. push.p0 is
+// the number of slots per pixel, p1 is not 0, and p2 is the number of fragments.
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = SLOT_C) readonly buffer List { uvec4 list[]; };
 void main() {

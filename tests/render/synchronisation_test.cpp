@@ -1,4 +1,4 @@
-// Ways of keeping fragments of a pixel apart: all capture the same.
+// Tests that all ways of keeping fragments of a pixel apart capture the same.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Textures, vertex colours and cut-outs: the reference by cases made by hand, the device against it.
+// Tests textures, vertex colours and cut-outs: the reference on cases made by hand, and the device against
+// the reference.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +34,7 @@ RenderScene textured_square(const Texture& texture, float scale = 1, float offse
   return scene;
 }
 
-// The only colour of a image of one opaque square.
+// The only colour of an image of one opaque square.
 Vec3f lit(const Vec3f& color) {
   RenderScene scene = testing::coplanar_squares(1, 0.5F);
   scene.surfaces[0] = {.color = color, .alpha = 1, .opaque = true};

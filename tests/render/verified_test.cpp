@@ -1,5 +1,5 @@
-// Verified blending: exact images whatever the draw order, and repairs where it was wrong, nowhere
-// else.
+// Tests verified blending: images are exact for any draw order, and repairs happen only where the order was
+// wrong.
 #include <gtest/gtest.h>
 
 #include <algorithm>

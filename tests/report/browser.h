@@ -1,4 +1,4 @@
-// A headless browser, for tests of pages with a script.
+// Runs a headless browser, for tests of pages with a script. In: a page. Out: what its script made of it.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// The page of a comparison: its markup, its plots, and its script in a browser.
+// Tests the page of a comparison: its markup, its plots, and its script in a browser.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Capture techniques side by side: image errors, heat maps, text, JSON by its schema, and charts.
+// Tests the comparison of capture techniques: image errors, heat maps, text, JSON by its schema, and charts.
 #include "pellucid/compare_report.h"
 
 #include <gtest/gtest.h>

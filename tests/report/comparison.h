@@ -1,4 +1,4 @@
-// A comparison made by hand, without rendering, for the tests of the module `report`.
+// Makes a comparison by hand, without rendering, for the tests of the module `report`.
 #pragma once
 
 #include <string>

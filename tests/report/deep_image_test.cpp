@@ -1,4 +1,4 @@
-// Deep images: OpenEXR reads from the file what was drawn, and it composites to the same image.
+// Tests deep images: OpenEXR reads from the file what was drawn, and compositing it gives the same image.
 #include "pellucid/deep_image.h"
 
 #include <OpenEXR/ImfDeepFrameBuffer.h>

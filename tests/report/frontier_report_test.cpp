@@ -1,4 +1,4 @@
-// Error against number of buffers as text, JSON after its schema, and SVG.
+// Tests the report of error against number of buffers: text, JSON by its schema, and SVG.
 #include <gtest/gtest.h>
 
 #include <algorithm>

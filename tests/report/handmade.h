@@ -1,4 +1,4 @@
-// Small reports made by hand, for the tests of the module `report`.
+// Makes small reports by hand for the tests of the module `report`.
 #pragma once
 
 #include <string>

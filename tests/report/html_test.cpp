@@ -1,4 +1,4 @@
-// The page of a measurement is well formed, safe and self-contained.
+// Tests that the page of a measurement is well formed, safe and self-contained.
 #include <gtest/gtest.h>
 
 #include <vector>

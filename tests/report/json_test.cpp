@@ -1,4 +1,4 @@
-// The keys of the machine-readable output are a contract.
+// Tests the keys of the JSON, which are a contract.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

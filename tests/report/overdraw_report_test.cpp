@@ -1,4 +1,4 @@
-// Heat maps, the chart and the page of an overdraw report.
+// Tests the heat maps, the chart and the page of an overdraw report.
 #include "pellucid/overdraw_report.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Checks JSON against a schema, for tests of what is written.
+// Checks JSON against a schema, for tests of written files.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Numbers and tables as plain text.
+// Tests numbers and tables as plain text.
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -1,4 +1,5 @@
-// Animated characters made by others: every clip can be posed, and fills the box that it is known to fill.
+// Tests animated characters that others have made: every clip can be posed and fills the box that it is known
+// to fill.
 #include <gtest/gtest.h>
 
 #include <algorithm>

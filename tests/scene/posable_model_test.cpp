@@ -1,4 +1,5 @@
-// Poses of hand-made rigs against skinning, interpolation and morphing written down a second time.
+// Tests poses of hand-made rigs against a second, independent implementation of skinning, interpolation and
+// morphing.
 #include <cmath>
 #include <thread>
 

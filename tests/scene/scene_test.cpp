@@ -1,4 +1,4 @@
-// Whole files as one mesh: clean primitives with their orders, instances, draw orders, fragments.
+// Tests whole files as one mesh: clean primitives with their orders, instances, draw orders, fragments.
 #include "pellucid/scene.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Acyclic clustering: no kept edge is violated, every cell has a cluster, cycles are broken and counted.
+// Tests acyclic clustering: no kept edge is violated, every cell has a cluster, cycles are broken and
+// counted.
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"

@@ -1,4 +1,4 @@
-// Lower bounds against the best of all permutations.
+// Tests lower bounds against the best of all permutations.
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"

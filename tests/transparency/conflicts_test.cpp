@@ -1,4 +1,4 @@
-// Cells that cannot share an order, against all ways of sharing.
+// Tests which cells cannot share an order, against all ways of sharing.
 #include <gtest/gtest.h>
 
 #include "order_helpers.h"

@@ -1,5 +1,5 @@
-// Regions and switches by definition; joins that are bounded, split nothing, and do nothing when not asked
-// to.
+// Tests regions and switches against their definition, and joins of regions: they are bounded, split nothing,
+// and do nothing unless requested.
 #include <gtest/gtest.h>
 
 #include <numeric>

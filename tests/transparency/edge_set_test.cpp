@@ -1,4 +1,5 @@
-// Edge sets against std::set; topological orders against Kahn's algorithm on thousands of small graphs.
+// Tests edge sets against std::set, and topological orders against the algorithm of Kahn on thousands of
+// small graphs.
 #include "transparency/cluster/edge_set.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Clustering within an error budget: k-means never ends worse, starts are spread, the fewest orders are
-// found.
+// Tests clustering within an error budget: k-means never ends worse than it starts, starts are spread, and
+// the fewest orders are found.
 #include <gtest/gtest.h>
 
 #include "metric/validation.h"

@@ -1,4 +1,4 @@
-// Error against number of buffers: what is shown, and that it is what single runs give. PSNR as a target.
+// Tests error against number of buffers: each point is what a single run gives. Also tests PSNR as a target.
 #include <gtest/gtest.h>
 
 #include "metric/validation.h"

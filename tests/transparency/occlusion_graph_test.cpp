@@ -1,4 +1,5 @@
-// Cells as means of their samples; sums of sparse rows against a map; what is pruned is accounted for.
+// Tests occlusion graphs: cells are means of their samples, sums of sparse rows equal those of a map, and
+// pruned weight is accounted for.
 #include "transparency/graph/occlusion_graph.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The whole module: every mesh gets an order set that draws every visible face, deterministically.
+// Tests the whole module: every mesh gets an order set that draws every visible face, deterministically.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// The broad phase against testing all pairs of bounds.
+// Tests the broad phase against a test of all pairs of bounds.
 #include <gtest/gtest.h>
 
 #include <algorithm>

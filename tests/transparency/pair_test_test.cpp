@@ -1,4 +1,5 @@
-// The narrow phase: SIMD against the scalar version, bit by bit; the precise test on pairs known by hand.
+// Tests the narrow phase: SIMD against the scalar version, bit by bit, and the precise test on pairs with
+// known results.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 

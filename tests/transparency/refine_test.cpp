@@ -1,4 +1,4 @@
-// Orders carried from a simplified mesh to the full one, and their repair.
+// Tests orders that are carried over from a simplified mesh to the full one, and their repair.
 #include <gtest/gtest.h>
 
 #include "metric/validation.h"

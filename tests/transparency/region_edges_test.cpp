@@ -1,5 +1,5 @@
-// Edges of T[n] and R[n]: nothing that a viewpoint of the cell sees is missing, next to nothing is too much,
-// and scenes whose answer is known.
+// Tests the edges of T[n] and R[n]: nothing that a viewpoint of the cell sees is missing, almost nothing is
+// superfluous, and some scenes have known answers.
 #include "transparency/graph/region_edges.h"
 
 #include <gtest/gtest.h>

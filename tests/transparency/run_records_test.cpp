@@ -1,4 +1,5 @@
-// Runs that were stopped end as if they had not been; a record is used for its own mesh and options only.
+// Tests that runs that were stopped end like runs that were not, and that a record is used only for its own
+// mesh and options.
 #include "transparency/run_records.h"
 
 #include <gtest/gtest.h>

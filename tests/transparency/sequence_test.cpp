@@ -1,4 +1,4 @@
-// Sequences keep every constraint, draw all nodes once, and keep the vertex cache warm.
+// Tests that orders keep every constraint, draw all nodes once, and use the vertex cache well.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ double acmr_of(const Mesh& mesh, const NodeSequence& sequence) {
       .acmr;
 }
 
-// The ways from constraints to a sequence, under their names.
+// The ways from constraints to an order, with their names.
 struct Method {
   const char* name;
   NodeSequence (*run)(const Mesh&, const OrderConstraints&, std::span<const std::uint32_t>,

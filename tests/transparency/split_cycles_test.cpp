@@ -1,4 +1,5 @@
-// Cycles found and cut: graphs against brute force, meshes against the exact occlusions and the raster.
+// Tests how cycles are found and cut: graphs against brute force, meshes against the exact occlusions and the
+// raster.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The light that reaches faces, against stacks of squares of which it is known.
+// Tests the light that reaches faces against stacks of squares with known answers.
 #include <gtest/gtest.h>
 
 #include <cmath>

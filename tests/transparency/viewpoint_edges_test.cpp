@@ -1,5 +1,5 @@
-// Edges of one viewpoint against an oracle that knows nothing of the projection map: it clips the images of
-// all pairs of triangles in double precision and measures depth along rays to the planes in space.
+// Tests the edges of one viewpoint against an oracle that does not use the projection map. It clips the
+// images of all pairs of triangles in double precision and measures depth along rays to the planes in space.
 #include "transparency/graph/viewpoint_edges.h"
 
 #include <gtest/gtest.h>
@@ -110,7 +110,7 @@ class Oracle {
     return polygon;
   }
 
-  // Distance along the ray through a image point to the plane of a triangle.
+  // Distance along the ray through an image point to the plane of a triangle.
   [[nodiscard]] double depth(std::uint32_t t, const Point2& p) const {
     const Vec3d on_image = right_ * p.x + up_ * p.y;
     const Vec3d origin = orthographic() ? on_image : eye();

@@ -142,8 +142,7 @@ bool triangles_may_change(const Model& model, std::uint32_t primitive);
 // per index.
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh);
 
-// ----------------------------------------------------------------------------------------------------
-// cameras
+// --------------------------------------------------------------------------------------------------- cameras
 
 // A camera of a glTF (glTF 2.0, section 3.10). It looks along its own -z, and +y is up.
 struct ModelCamera {
@@ -158,8 +157,7 @@ struct ModelCamera {
 // Throws Error{bad_input} that names the file and the place.
 std::vector<ModelCamera> read_cameras(const Model& model);
 
-// ------------------------------------------------------------------------------------------------ image
-// files
+// ----------------------------------------------------------------------------------------------- image files
 
 // Returns `image` as an 8-bit RGB PNG file in memory; pellucid/material.h reads image files. The same image
 // gives the same bytes. Throws Error{bad_argument} if the image is empty or its size does not fit its bytes.

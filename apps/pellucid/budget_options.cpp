@@ -33,7 +33,8 @@ std::vector<ImportanceTerm> parse_terms(const std::string& list) {
       found = true;
     }
     if (!found) {
-      throw Error(ErrorKind::bad_argument, fmt::format("--importance: '{}' is none of none{}", name, known));
+      throw Error(ErrorKind::bad_argument,
+                  fmt::format("--importance: '{}' is not one of none{}", name, known));
     }
   }
   return terms;
@@ -106,7 +107,7 @@ void add_budget_options(CLI::App& command, RenderOptions& options, std::string& 
   add("--device-memory", "BYTES",
       "Memory budget of techniques that have one: 35MB, 20MiB (default: fixed-k, k-plus and variable-k 32 "
       "bytes "
-      "a pixel, bounded 64, hybrid and multikb what --k takes, auto any)",
+      "a pixel, bounded 64, hybrid and multikb what --k needs, auto no limit)",
       [&](const std::string& text) { options.budget.bytes = parse_bytes("--device-memory", text); });
   refuse_old_option(command, "--memory", "--device-memory");
   add_choice(command, "--overflow", options.pool.overflow,

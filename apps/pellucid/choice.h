@@ -23,7 +23,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, Value& value
   for (const auto& choice : choices) names += (names.empty() ? "" : "|") + choice.first;
   const auto set = [&value, known, names, name](const std::string& text) {
     const auto found = known.find(text);
-    if (found == known.end()) throw CLI::ValidationError(name, "'" + text + "' is none of " + names);
+    if (found == known.end()) throw CLI::ValidationError(name, "'" + text + "' is not one of " + names);
     value = found->second;
   };
   return command.add_option_function<std::string>(name, set, description)->type_name(names);

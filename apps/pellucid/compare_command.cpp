@@ -69,7 +69,8 @@ std::vector<SweepKind> sweep_kinds(const std::string& list) {
       found = true;
     }
     if (!found) {
-      throw Error(ErrorKind::bad_argument, fmt::format("--sweep: '{}' is none of none, all{}", name, known));
+      throw Error(ErrorKind::bad_argument,
+                  fmt::format("--sweep: '{}' is not one of none, all{}", name, known));
     }
   }
   return kinds;

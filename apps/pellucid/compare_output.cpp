@@ -56,7 +56,7 @@ void CompareOutput::check() const {
   check_writable(inside(kReportJson));
   const std::string images = inside(kImages);
   check_no_file(images);
-  if (fs::exists(images, ignored)) check_writable(images + "/picture.png");
+  if (fs::exists(images, ignored)) check_writable(images + "/image.png");
 }
 
 void CompareOutput::write(const CompareReport& report) const {

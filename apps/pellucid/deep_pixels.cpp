@@ -56,7 +56,7 @@ void check_deep(const CaptureJob& job) {
   }
   if (!delivers_all(job.options.technique)) {
     throw Error(ErrorKind::bad_argument,
-                fmt::format("--deep and --pixel want all fragments, which --technique {} does not deliver: "
+                fmt::format("--deep and --pixel need all fragments, which --technique {} does not deliver: "
                             "take cpu, sb or another exact one",
                             job.options.technique));
   }

@@ -206,7 +206,7 @@ void add_method_options(CLI::App& command, OrderCommandOptions& o) {
       .add_option("--memory", order.memory,
                   "Use about this much host memory, as in 4GB; the rest goes to a temporary file (default: "
                   "no limit)")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::AsSizeValue(true))
       ->type_name("SIZE")
       ->group(group);
   command

@@ -50,7 +50,7 @@ std::uint32_t level_of(std::uint32_t views) {
   for (std::uint32_t level = 0; level <= 3; ++level) {
     if (views == 10U * (1U << (2 * level)) + 2) return level;
   }
-  throw Error(ErrorKind::bad_argument, fmt::format("--views: {} is none of 12, 42, 162, 642", views));
+  throw Error(ErrorKind::bad_argument, fmt::format("--views: {} is not one of 12, 42, 162, 642", views));
 }
 
 // Sets the defaults that depend on whether anything moves.
@@ -259,8 +259,9 @@ void check_options(const OverdrawCommandOptions& options) {
   }
   const bool cannot_write = options.subject.subdivisions > 0 || options.subject.whole;
   if (!options.output.empty() && cannot_write) {
-    throw Error(ErrorKind::bad_argument,
-                "--subdivide and --whole are for measurements: such orders fit no file, leave out -o");
+    throw Error(
+        ErrorKind::bad_argument,
+        "--subdivide and --whole are for measurements only: no file can hold such orders; leave out -o");
   }
   constexpr double kNoCache = 3;  // every triangle is a patch
   const bool writes = !options.output.empty();

@@ -255,7 +255,7 @@ std::uint64_t OrderedMesh::index_count(const DrawOrder& order) const {
 
 void OrderedMesh::copy_indices(const DrawOrder& order, SortDirection direction,
                                std::span<std::uint16_t> to) const {
-  require_fit(bytes_per_index(vertex_count()) == 2, "16 bits do not hold the indices of so many vertices");
+  require_fit(bytes_per_index(vertex_count()) == 2, "16-bit indices allow at most 65,535 vertices");
   data_->copy_indices(order, direction, to);
 }
 

@@ -98,7 +98,7 @@ void copy_indices(const OrderedMesh& mesh, std::uint32_t order, PellucidDirectio
                   std::uint32_t index_bytes, void* destination) {
   require(index_bytes == 2 || index_bytes == 4, "index_bytes must be 2 or 4");
   require(index_bytes == 4 || bytes_per_index(mesh.vertex_count()) == 2,
-          "2 bytes do not hold the indices of so many vertices");
+          "2-byte indices allow at most 65,535 vertices");
   require(given == pellucid_front_to_back || given == pellucid_back_to_front,
           "direction: there is no such value");
   require(given == pellucid_front_to_back || mesh.orders().purpose == OrderPurpose::transparency,

@@ -437,9 +437,9 @@ bool Renderer::Implementation::capture_band(const Job& job, const Band& band, Co
 void Renderer::Implementation::capture_again(const Job& job, const Band& band, const render::Frame& first,
                                              const CaptureStats& before, RenderResult& result,
                                              const std::vector<std::uint32_t>& counts) {
-  const CaptureStats in_vain = std::exchange(result.stats, before);
-  result.stats.milliseconds = in_vain.milliseconds;
-  result.stats.geometry_passes = in_vain.geometry_passes;
+  const CaptureStats wasted = std::exchange(result.stats, before);
+  result.stats.milliseconds = wasted.milliseconds;
+  result.stats.geometry_passes = wasted.geometry_passes;
   result.stats.pool_exceeded = true;
   const std::size_t pixels = std::size_t{job.camera.width} * band.first_row;
   result.pixels.resize(std::min(result.pixels.size(), pixels));
@@ -505,7 +505,7 @@ RenderResult Renderer::Implementation::draw(Job job) {
 
 void Renderer::Implementation::refuse_if_lost() const {
   if (context.lost())
-    throw Error(ErrorKind::internal, "the device was lost: it takes a new Renderer to go on");
+    throw Error(ErrorKind::internal, "the device was lost; make a new Renderer to continue");
 }
 
 Renderer::Renderer(const DeviceOptions& options)

@@ -54,14 +54,14 @@ AutomaticChoice keep_to_budget(const AutomaticDemand& demand) {
   if (!demand.atomics64) {
     if (may_lose) return {"fixed-k", reason + ": the nearest, as many of every pixel, the rest averaged"};
     throw Error(ErrorKind::bad_argument, "technique auto: " + reason +
-                                             ", and taking them round after round needs 64-bit atomics, "
+                                             ", and capturing them in several rounds needs 64-bit atomics, "
                                              "which the device does not support");
   }
   const bool chained = may_lose || demand.deepest <= kMostChained;
   if (demand.blends && chained && fits(demand, demand.slots_bytes))
     return {"k-plus", reason + ": slots of 8 bytes hold them all"};
   if (may_lose) return {"variable-k", reason + ": those that matter most, the rest averaged"};
-  return {"bounded", reason + ": the nearest ones, round after round"};
+  return {"bounded", reason + ": the nearest fragments, in several rounds"};
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ RenderOptions automatic_options(const RenderOptions& options) {
 TechniqueEntry automatic() {
   return {
       {.name = "auto",
-       .title = "for every frame the one that suits it: verified, ll, sb, or within a memory budget k-plus, "
+       .title = "the technique that fits the frame: verified, ll, sb, or within a memory budget k-plus, "
                 "variable-k, bounded",
        .paper = "",
        .captures = "all; within a memory budget, as many as fit",

@@ -58,7 +58,7 @@ class OrderedK final : public Technique {
 
 TechniqueEntry ordered_k() {
   return {{.name = "ordered-k",
-           .title = "blending in draw order, put right within a window of k fragments",
+           .title = "blending in draw order, corrected within a window of k fragments",
            .paper = "",
            .exact = false,
            .order_free = false,

@@ -133,7 +133,7 @@ TechniqueEntry weighted_blend() {
 
 TechniqueEntry moment_blend() {
   return {{.name = "mboit4",
-           .title = "light that gets to a fragment, from four moments of depth",
+           .title = "light transmittance in front of a fragment, from four moments of depth",
            .paper = "Muenstermann et al. 2018",
            .exact = false,
            .captures = "all, by an estimate of the light that gets to them; transmittance of all is exact",

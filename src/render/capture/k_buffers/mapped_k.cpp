@@ -140,8 +140,9 @@ class MappedK final : public TailedBuffer {
     for (const ImportanceTerm term : importance.options.terms)
       importance.terms |= static_cast<std::uint32_t>(term);
     if (importance.has(ImportanceTerm::image) && importance.has(ImportanceTerm::residue)) {
-      throw Error(ErrorKind::bad_argument,
-                  "terms of importance: image and residue cannot be combined, as they lie in the same place");
+      throw Error(
+          ErrorKind::bad_argument,
+          "terms of importance: image and residue cannot be combined, because they use the same memory");
     }
     if (importance.has(ImportanceTerm::image) && importance.options.image.bytes.empty())
       throw Error(ErrorKind::bad_argument,

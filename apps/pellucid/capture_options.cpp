@@ -119,9 +119,12 @@ void refuse_options_of_other_techniques(const CLI::App& command,
     const bool used = std::any_of(techniques.begin(), techniques.end(),
                                   [&](const TechniqueInfo& t) { return t.uses(option.group); });
     if (used || command.count(option.option) == 0) continue;
-    throw Error(ErrorKind::bad_argument,
-                fmt::format("{} would have no effect: {} not use it; techniques that do: {}", option.option,
-                            who, users_of(option.group)));
+    const std::string users = users_of(option.group);
+    throw Error(
+        ErrorKind::bad_argument,
+        fmt::format("{} would have no effect: {} not use it; {}", option.option, who,
+                    users.empty() ? "the techniques that do need Vulkan, which this build does not have"
+                                  : "techniques that do: " + users));
   }
 }
 
@@ -172,6 +175,8 @@ void refuse_capture_options_without_effect(const CLI::App& command, const Captur
        needs("--importance-noise", uses_importance, needs_budget),
        needs("--importance-image", has_term(options, ImportanceTerm::image),
              "only --importance image reads it"),
+       needs("--complexity", uses_importance, needs_budget), needs("--focus", uses_importance, needs_budget),
+       needs("--falloff", uses_importance, needs_budget),
        needs("--complexity", has_term(options, ImportanceTerm::complexity),
              "only --importance complexity uses it"),
        needs("--focus", has_term(options, ImportanceTerm::periphery), "only --importance periphery uses it"),

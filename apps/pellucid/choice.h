@@ -39,6 +39,7 @@ inline void refuse_old_option(CLI::App& command, const std::string& old_name, co
             throw CLI::ValidationError(old_name + " is called " + new_name + " here");
           })
       ->expected(0, 1)
+      ->allow_extra_args(false)
       ->group("");
 }
 

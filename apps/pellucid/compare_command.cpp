@@ -114,13 +114,12 @@ void refuse_options_without_effect(const CompareCommand& command, const std::vec
   const bool sweeps_memory = std::find(sweeps.begin(), sweeps.end(), SweepKind::memory) != sweeps.end();
   refuse_capture_options_without_effect(*command.command, command.capture, techniques, sweeps_memory);
   const Effect effect = command.capture.options.effect;
-  const bool shows_surfaces =
-      effect == Effect::transparency || effect == Effect::wireframe || effect == Effect::csg;
+  const bool shows_opacity = effect == Effect::transparency || effect == Effect::wireframe;
   const bool has_models = !command.inputs.empty();
   refuse_without_effect(*command.command,
                         {needs("--reference", has_models, "no model is given to compare techniques on"),
                          needs("--flicker", has_models, "no model is given to compare techniques on"),
-                         needs("--alpha", shows_surfaces, "the effect does not show surfaces")});
+                         needs("--alpha", shows_opacity, "the effect does not show opacity")});
 }
 
 void run_compare(const CompareCommand& command, Session& session) {

@@ -98,7 +98,8 @@ void refuse_ineffective(const OrderCommandOptions& o) {
        needs("--priority", !budget, "only --method acyclic merges clusters by priority"),
        needs("--relax", !budget, "only --method acyclic relaxes clusters"),
        needs("--refine", order.upsample_from != 0U, "with --upsample-from 0 nothing is carried over"),
-       needs("--tolerance", !raster, "--occlusion raster compares no triangles"),
+       needs("--tolerance", !raster || is_continuous(order.partition),
+             "--occlusion raster compares no triangles, except for partitions T and R"),
        needs("--raster-size", raster, "only --occlusion raster draws images"),
        needs("--perspective", !(o.distance > 0), "a camera at one --distance is in perspective"),
        needs("--all", o.selection.material.empty(), "--material selects primitives of any alphaMode"),
@@ -362,9 +363,9 @@ bool is_plot(const std::string& path) {
 
 void settle_options(OrderCommandOptions& options) {
   check_options(options);
+  options.order.partition = parse_partition(options.partition);
   refuse_ineffective(options);
   for (const std::string& path : options.frontier) check_frontier_path(path);
-  options.order.partition = parse_partition(options.partition);
   options.order.distances = sample_distances(options);
   options.write.bake_base = !options.no_bake_base;
   if (options.buffers > 0) options.order.min_buffers = options.order.max_buffers = options.buffers;

@@ -76,19 +76,26 @@ void refuse_options_without_effect(const RenderCommand& options) {
                              " is given: orders and shading by depth are drawn by technique cpu, as one "
                              "transparent image of uniform surfaces";
   const Effect effect = capture.options.effect;
-  const bool shows_surfaces =
-      effect == Effect::transparency || effect == Effect::wireframe || effect == Effect::csg;
+  // With a memory budget, `auto` may take k-plus or variable-k, which have maps.
+  const bool writes_maps = technique.uses(OptionGroup::maps) ||
+                           (technique.uses(OptionGroup::importance) && capture.options.budget.bytes != 0);
+  const bool shows_opacity = effect == Effect::transparency || effect == Effect::wireframe;
+  const bool shows_surfaces = options.order != OrderImage::error;
+  const std::string error_image = "--order error shows which pixels are wrong, and no surfaces";
   refuse_without_effect(
       *options.command,
       {needs("--frames", on_device, "technique cpu is not timed"), needs("--device", on_device, no_device),
        needs("--validation-layers", on_device, no_device),
-       needs("--maps", technique.uses(OptionGroup::maps),
-             "technique " + technique.name + " does not use it; fixed-k, hybrid, k-plus and variable-k do"),
+       needs(
+           "--maps", writes_maps,
+           "technique " + technique.name +
+               " does not use it; fixed-k, hybrid, k-plus and variable-k do, and auto with --device-memory"),
        needs("--order", captured.empty() || options.order == OrderImage::exact, judged),
        needs("--shading", captured.empty() || options.shading.shading == Shading::lit, judged),
        needs("--time", !capture.animation.empty(), "there is no --animation"),
        needs("--camera", options.path.empty(), "the cameras are those of --path"),
-       needs("--alpha", shows_surfaces || wants_fragments(capture), "the effect does not show surfaces")});
+       needs("--alpha", shows_opacity || wants_fragments(capture), "the effect does not show opacity"),
+       needs("--alpha", shows_surfaces, error_image), needs("--shading", shows_surfaces, error_image)});
 }
 
 void run_capture(const RenderCommand& options, Session& session) {

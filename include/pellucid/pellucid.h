@@ -195,7 +195,8 @@ WriteReport write(const Model& model, const std::string& path, const WriteOption
 // Orders every primitive that is drawn with alpha blending and is neither skinned nor morphed, and keeps the
 // orders in it.
 // Returns the indices of these primitives. The facing comes from the materials of a glTF;
-// for other formats it comes from the options. Throws Error{nothing_to_do} if there is no such primitive.
+// for other formats it comes from the options. Throws Error{nothing_to_do} if there is no such primitive,
+// or if one of them draws nothing. The model then stays as it was.
 std::vector<std::uint32_t> order(Model& model, const OrderOptions& options = {});
 // Orders one primitive, translucent or not, and keeps the orders in it.
 OrderedMesh order_primitive(Model& model, std::uint32_t primitive, const OrderOptions& options = {});

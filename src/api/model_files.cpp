@@ -37,7 +37,9 @@ WriteReport write(const Model& model, const std::string& path, const WriteOption
   return write_model(model, ordered, path, options);
 }
 
-OrderedMesh order_primitive(Model& model, std::uint32_t primitive, const OrderOptions& options) {
+namespace {
+
+OrderedMesh ordered_primitive(const Model& model, std::uint32_t primitive, const OrderOptions& options) {
   const Primitive& chosen = primitive_at(model, primitive);
   if (chosen.deforms) {
     throw Error(ErrorKind::bad_argument, model.path + ": " + chosen.name +
@@ -45,7 +47,13 @@ OrderedMesh order_primitive(Model& model, std::uint32_t primitive, const OrderOp
   }
   OrderOptions own = options;
   own.facing = facing_of(model, chosen, options.facing);
-  OrderedMesh ordered = order_any_mesh(chosen.mesh, own, {}, model.path + ": " + chosen.name);
+  return order_any_mesh(chosen.mesh, own, {}, model.path + ": " + chosen.name);
+}
+
+}  // namespace
+
+OrderedMesh order_primitive(Model& model, std::uint32_t primitive, const OrderOptions& options) {
+  OrderedMesh ordered = ordered_primitive(model, primitive, options);
   set_orders(model, primitive, ordered);
   return ordered;
 }
@@ -62,7 +70,10 @@ std::vector<std::uint32_t> order(Model& model, const OrderOptions& options) {
         ErrorKind::nothing_to_do,
         model.path + ": no static primitive is drawn with alpha blending; others are ordered one by one");
   }
-  for (const std::uint32_t i : translucent) order_primitive(model, i, options);
+  // An error leaves the model as it was.
+  std::vector<OrderedMesh> made;
+  for (const std::uint32_t i : translucent) made.push_back(ordered_primitive(model, i, options));
+  for (std::size_t i = 0; i < made.size(); ++i) set_orders(model, translucent[i], made[i]);
   return translucent;
 }
 

@@ -236,6 +236,8 @@ IndexBuffer OrderedMesh::index_buffer(SortDirection direction, IndexWidth width)
     buffer.ranges.push_back({static_cast<std::uint32_t>(total), static_cast<std::uint32_t>(count)});
     total += count;
   }
+  require_fit(total <= std::numeric_limits<std::size_t>::max() / buffer.bytes_per_index,
+              "the orders are larger than the memory of this machine: copy them one at a time");
   buffer.bytes.resize(total * buffer.bytes_per_index);
   for (std::uint32_t i = 0; i <= order_count(); ++i) {
     const IndexRange& range = buffer.ranges[i];

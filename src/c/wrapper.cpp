@@ -2,6 +2,7 @@
 // caller's arrays, and progress.
 #include "c/wrapper.h"
 
+#include <cmath>
 #include <new>
 #include <span>
 #include <stdexcept>
@@ -81,8 +82,12 @@ std::vector<Pose> poses_of(const PellucidMesh& mesh, const PellucidPoses* poses)
   require(poses->frame_count > 0 && poses->positions != nullptr && poses->times != nullptr,
           "poses: there are no frames, or no times");
   std::vector<Pose> views;
-  for (std::uint32_t frame = 0; frame < poses->frame_count; ++frame)
-    views.push_back({poses->times[frame], view_of_positions(poses->positions[frame], mesh)});
+  for (std::uint32_t frame = 0; frame < poses->frame_count; ++frame) {
+    const float time = poses->times[frame];
+    require(std::isfinite(time) && (frame == 0 || time > poses->times[frame - 1]),
+            "poses: times must be finite and strictly increasing");
+    views.push_back({time, view_of_positions(poses->positions[frame], mesh)});
+  }
   return views;
 }
 

@@ -25,7 +25,9 @@ class FifoCache {
   }
   // Uses the vertices of a triangle. Returns the number of misses.
   std::uint32_t draw(const Triangle& triangle) {
-    return use(triangle[0]) + use(triangle[1]) + use(triangle[2]);
+    std::uint32_t misses = 0;
+    for (const std::uint32_t vertex : triangle) misses += use(vertex);  // in this order
+    return misses;
   }
   // Empties the cache.
   void flush() { clock_ += size_; }

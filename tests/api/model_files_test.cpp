@@ -1,4 +1,7 @@
 // Tests the C++ interface for files: reading a model, ordering it, writing it, and reading its orders again.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -61,6 +64,15 @@ TEST(ModelFiles, KeepOrdersOfTranslucentPrimitives) {
   EXPECT_EQ(stored.triangles(), made.triangles());
   EXPECT_EQ(stored.select({}, {2, 3, 4}), made.select({}, {2, 3, 4}));
   EXPECT_EQ(kind_of_file_error([&] { orders_of(again, 0); }), ErrorKind::nothing_to_do);
+}
+
+TEST(ModelFiles, StayAsTheyWereWhenAPrimitiveDrawsNothing) {
+  Model model = make_model({{"sphere", testing::icosphere_mesh(1), {1, 1, 1, 0.5F}},
+                            {"nothing", Mesh{{{0, 0, 0}}, {}, {{0, 0, 0}}}, {1, 1, 1, 0.5F}}},
+                           "sphere and nothing");
+  for (Primitive& primitive : model.primitives) primitive.alpha_mode = AlphaMode::blend;
+  EXPECT_EQ(kind_of_file_error([&] { order(model, few_views()); }), ErrorKind::nothing_to_do);
+  EXPECT_FALSE(model.primitives[0].orders.has_value());
 }
 
 TEST(ModelFiles, TakeFacingFromTheMaterial) {

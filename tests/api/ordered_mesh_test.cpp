@@ -1,4 +1,7 @@
 // Tests the C++ interface in memory: the arrays of the caller, index buffers, and the choice of an order.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -252,7 +255,7 @@ TEST(IndexBuffer, HasTheWidthThatTheVerticesNeed) {
     if (vertices == 65535) {
       copy();
     } else {
-      EXPECT_EQ(kind_of_error(copy, "16 bits"), ErrorKind::bad_argument);
+      EXPECT_EQ(kind_of_error(copy, "16-bit"), ErrorKind::bad_argument);
     }
   }
 }

@@ -1,6 +1,7 @@
 // Tests the C interface with arrays: orders, their contents, and their measures.
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 #include <thread>
 
@@ -269,6 +270,11 @@ TEST(COverdraw, PosesBecomeKeyFrames) {
   const std::array<float, 2> backwards{1, 0};
   const PellucidPoses wrong{frames.data(), backwards.data(), 2};
   EXPECT_EQ(pellucid_overdraw_mesh(&mesh, &wrong, &options, &raw), pellucid_bad_argument);
+  const std::array<float, 2> not_a_time{1, std::numeric_limits<float>::quiet_NaN()};
+  for (const float* bad_times : {backwards.data(), not_a_time.data()}) {
+    const PellucidPoses bad{frames.data(), bad_times, 2};
+    EXPECT_EQ(pellucid_measure_overdraw(&mesh, &bad, nullptr, &measure, &quality), pellucid_bad_argument);
+  }
 }
 
 TEST(CMeasure, CacheCountsMisses) {

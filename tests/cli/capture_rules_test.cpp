@@ -68,6 +68,7 @@ TEST(CaptureRules, TheCpuRefusesOptionsOfTheDeviceAndOfOtherTechniques) {
                           without_effect({"--time", "1"}, "there is no --animation"),
                           without_effect({"--camera", "30,20,3", "--path", path}, "the cameras"),
                           without_effect({"--alpha", "0.3", "--effect", "complexity"}, "the effect"),
+                          without_effect({"--alpha", "0.3", "--effect", "csg"}, "the effect"),
                           without_effect({"--order", "original", "--effect", "csg"}, "--effect csg"),
                           without_effect({"--order", "original", "--orbit", "3"}, "--orbit"),
                           without_effect({"--shading", "depth", "--surfaces", "file"}, "--surfaces")});
@@ -114,6 +115,8 @@ TEST(CaptureRules, ATechniqueRefusesOptionsThatItDoesNotUse) {
       without_effect({"--focus", "0,0"}, "only --importance periphery"),
       without_effect({"--falloff", "2"}, "only --importance periphery")});
   by("auto", {without_effect({"--overflow", "exact"}, "everything fits"),
+              without_effect({"--complexity", "0.5,20"}, "auto gives out slots"),
+              without_effect({"--maps", folder.file("maps")}, "technique auto does not use it"),
               without_effect({"--importance", "none"}, "auto gives out slots"),
               without_effect({"--pool", "100"}, "technique auto does not use it")});
   EXPECT_TRUE(folder.files().empty());

@@ -35,6 +35,8 @@ TEST(OptionRules, OldNamesAreRefusedWithTheNewOne) {
       {{"overdraw", in, "--viewpoints", "42"}, "--viewpoints is called --views here"},
       {{"overdraw", in, "--measure", "4"}, "--measure is called --check-views here"},
       {{"overdraw", in, "--pictures=60"}, "--pictures is called --max-images here"},
+      {{"order", "--views", "S2,2", in, "-o", out}, "--views is called --partition here"},
+      {{"overdraw", "--viewpoints", "42", in}, "--viewpoints is called --views here"},
       {{"measure", in, "--distances", "2,5"}, "--distances is called --distance-range here"},
   });
   EXPECT_TRUE(folder.files().empty());
@@ -76,7 +78,8 @@ TEST(OptionRules, OrderRefusesOptionsWithoutEffect) {
       {order({"--priority", "union"}), "--priority would have no effect: only --method acyclic"},
       {order({"--relax", "2"}), "--relax would have no effect: only --method acyclic"},
       {order({"--refine", "2", "--upsample-from", "0"}), "--refine would have no effect"},
-      {order({"--tolerance", "0.01", "--occlusion", "raster"}), "--tolerance would have no effect"},
+      {order({"--tolerance", "0.01", "--occlusion", "raster", "--partition", "S1,1"}),
+       "--tolerance would have no effect"},
       {order({"--raster-size", "64"}), "--raster-size would have no effect: only --occlusion raster"},
       {order({"--perspective", "--distance", "3"}), "--perspective would have no effect"},
       {order({"--all", "--material", "glass"}), "--all would have no effect"},

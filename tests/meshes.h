@@ -55,4 +55,12 @@ inline double volume(const Mesh& mesh) {
   return six_volumes / 6;
 }
 
+// Four corners at the origin and on the axes, closed.
+inline Mesh tetrahedron() {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return mesh;
+}
+
 }  // namespace pellucid::testing

@@ -3,17 +3,13 @@
 
 #include "camera_options.h"
 #include "cleaned.h"
+#include "meshes.h"
 #include "selection.h"
 
 namespace pellucid::cli {
 namespace {
 
-Mesh tetrahedron() {
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-  return mesh;
-}
+using pellucid::testing::tetrahedron;
 
 Primitive blend_primitive(const std::string& name) {
   Primitive primitive;

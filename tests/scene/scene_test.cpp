@@ -5,15 +5,12 @@
 
 #include <algorithm>
 
+#include "meshes.h"
+
 namespace pellucid {
 namespace {
 
-Mesh tetrahedron() {
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-  return mesh;
-}
+using testing::tetrahedron;
 
 Primitive blend_primitive(const std::string& name) {
   Primitive primitive;

@@ -1,4 +1,4 @@
-// The shapes of which the procedural samples consist. In: dimensions and resolutions. Out: meshes with
+// Shapes that make up the procedural samples. In: dimensions and resolutions. Out: meshes with
 // normals. All closed shapes share vertices across their seams, face outwards and have smooth normals.
 #pragma once
 

@@ -9,7 +9,7 @@ layout(std430, set = 0, binding = SLOT_A) coherent buffer Pool { uint words[]; }
 #define ORDER_WORDS memoryBarrierBuffer();
 #endif
 uint depth_at(uint i) { return words[2u * i + 1u] & ~kHasColor; }
-// The mark is stored before its colour. Whoever reads a colour in place of an id therefore also finds the
+// The mark is stored before its colour. A shader that reads a colour in place of an id therefore also finds the
 // mark.
 uvec2 slot_at(uint i) {
   const uint low = words[2u * i];

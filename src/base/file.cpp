@@ -1,5 +1,5 @@
-// Reads and writes whole files: see pellucid/base.h. It is a file of its own so that the fuzzing harnesses can
-// put files in memory in its place (fuzz/memory_files.cpp).
+// Reads and writes whole files: see pellucid/base.h. It is a file of its own so that the fuzzing harnesses
+// can put files in memory in its place (fuzz/memory_files.cpp).
 #include <filesystem>
 #include <random>
 #include <system_error>

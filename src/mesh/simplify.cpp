@@ -1,5 +1,5 @@
-// Simplifies a mesh: see pellucid/mesh.h. The quadric edge collapse is that of meshoptimizer, after Garland and
-// Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997.
+// Simplifies a mesh: see pellucid/mesh.h. The quadric edge collapse is that of meshoptimizer, after Garland
+// and Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997.
 //
 // It is a file of its own so that programs that do not simplify link without meshoptimizer.
 #include <meshoptimizer.h>

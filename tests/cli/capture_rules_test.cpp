@@ -69,6 +69,8 @@ TEST(CaptureRules, TheCpuRefusesOptionsOfTheDeviceAndOfOtherTechniques) {
                           without_effect({"--camera", "30,20,3", "--path", path}, "the cameras"),
                           without_effect({"--alpha", "0.3", "--effect", "complexity"}, "the effect"),
                           without_effect({"--alpha", "0.3", "--effect", "csg"}, "the effect"),
+                          without_effect({"--alpha", "0.3", "--order", "error"}, "--order error shows"),
+                          without_effect({"--shading", "depth", "--order", "error"}, "--order error shows"),
                           without_effect({"--order", "original", "--effect", "csg"}, "--effect csg"),
                           without_effect({"--order", "original", "--orbit", "3"}, "--orbit"),
                           without_effect({"--shading", "depth", "--surfaces", "file"}, "--surfaces")});

@@ -72,6 +72,7 @@ std::vector<std::uint32_t> order(Model& model, const OrderOptions& options) {
   }
   // An error leaves the model as it was.
   std::vector<OrderedMesh> made;
+  made.reserve(translucent.size());
   for (const std::uint32_t i : translucent) made.push_back(ordered_primitive(model, i, options));
   for (std::size_t i = 0; i < made.size(); ++i) set_orders(model, translucent[i], made[i]);
   return translucent;

@@ -325,7 +325,8 @@ TEST(OverdrawCommand, RefusesToSubdivideInABuildWithoutOpenSubdiv) {
 #endif
 
 #if defined(PELLUCID_WITH_RENDERER)
-// What is drawn first remains visible: triangles are drawn in the orders of the file, at rest and in motion.
+// The triangle that is drawn first remains visible. Triangles are drawn in the orders of the file, at rest
+// and in motion.
 TEST(OverdrawCommand, RendersInTheDrawOrderOfTheFile) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out.glb");

@@ -31,11 +31,17 @@ Facing facing_of(const Model& model, const Primitive& primitive, FacingChoice ch
   return is_gltf(model) && !primitive.double_sided ? Facing::single : Facing::duplicated;
 }
 
-// Cleans and simplifies a primitive of a format other than glTF. Such models are written anew, so triangles
-// that cannot be drawn are left out of the output as well.
-void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std::uint32_t target) {
-  primitive.mesh = compacted(clean(primitive.mesh, options.clean, primitive.name).mesh);
+// Cleans and simplifies a primitive of a format other than glTF. An ordered primitive is drawn with blending.
+void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std::uint32_t target,
+                  std::vector<std::string>& notes) {
+  clean_for_writing(primitive, options.clean);
+  primitive.alpha_mode = AlphaMode::blend;
   if (target > 0 && primitive.mesh.triangles.size() > target) {
+    if (!primitive.colors.empty() || !primitive.texcoords.empty())
+      notes.push_back(primitive.name + ": simplified without its colours and texture coordinates");
+    primitive.colors.clear();
+    primitive.texcoords.clear();
+    primitive.texture.clear();
     primitive.mesh = simplify(primitive.mesh, target);
     if (!primitive.mesh.triangles.empty()) primitive.mesh.normals = vertex_normals(primitive.mesh);
   }
@@ -43,7 +49,7 @@ void prepare_mesh(Primitive& primitive, const OrderCommandOptions& options, std:
 
 // Checks and prepares the selected primitives. --simplify is the size of the whole model, and every primitive
 // gets its share.
-std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
+std::vector<MeshReport> prepare_model(Model& model, Selection& selection,
                                       const OrderCommandOptions& options) {
   std::vector<MeshReport> reports;
   std::uint64_t triangles = 0;
@@ -62,7 +68,7 @@ std::vector<MeshReport> prepare_model(Model& model, const Selection& selection,
     const double share =
         static_cast<double>(model.primitives[i].mesh.triangles.size()) / static_cast<double>(triangles);
     const double target = options.simplify == 0 ? 0 : std::max(1.0, std::round(share * options.simplify));
-    prepare_mesh(model.primitives[i], options, static_cast<std::uint32_t>(target));
+    prepare_mesh(model.primitives[i], options, static_cast<std::uint32_t>(target), selection.notes);
   }
   return reports;
 }
@@ -322,11 +328,11 @@ FileOutcome order_file(OrderCommandOptions options, Session& session) {
   Model model = read_model(options.input);
   stop_if_signalled();
   if (!options.in_batch) refuse_for_model(options, model);
-  const Selection selection = select_primitives(model, options.selection);
-  report.notes = selection.notes;
+  Selection selection = select_primitives(model, options.selection);
   for (const std::string& note : model.notes) session.detail(model.path + ": " + note);
-  for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
   const std::vector<MeshReport> checks = prepare_model(model, selection, options);
+  for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
+  report.notes = selection.notes;
   report.seconds_read = total.seconds();
   std::optional<CheckpointStore> checkpoints;
   if (!options.checkpoint.empty()) checkpoints.emplace(options.checkpoint, session.progress());

@@ -375,7 +375,7 @@ void refuse_for_model(const OrderCommandOptions& options, const Model& model) {
   const bool has_materials = is_gltf(model) || model.format == "obj";
   refuse_without_effect(
       *options.command,
-      {needs("--all", is_gltf(model), "all primitives of a ." + model.format + " file are ordered"),
+      {needs("--all", has_materials, "all primitives of a ." + model.format + " file are ordered"),
        needs("--material", has_materials, "a ." + model.format + " file has no materials")});
 }
 

@@ -241,12 +241,13 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
   return report;
 }
 
-// Prepares a model of a format other than glTF. It is written anew, so triangles that cannot be drawn are
-// left out of the output as well. It gets a material for which the orders are valid.
+// Prepares a model of a format other than glTF. A mesh without a material, and a material that is ordered, get
+// what makes the orders valid.
 void prepare(Model& model, SidesChoice sides) {
   if (is_gltf(model)) return;
   for (Primitive& primitive : model.primitives) {
-    primitive.mesh = compacted(clean(primitive.mesh, {}, primitive.name).mesh);
+    clean_for_writing(primitive, {});
+    if (is_known_translucent(model, primitive)) continue;
     primitive.alpha_mode = AlphaMode::opaque;
     primitive.double_sided = sides == SidesChoice::both;
   }

@@ -41,7 +41,7 @@ Selection select_primitives(const Model& model, const SelectionOptions& options)
   }
 
   // By default, only primitives that are drawn with blending are ordered.
-  if (options.all || !options.material.empty() || !is_gltf(model)) {
+  if (options.all || !options.material.empty()) {
     selection.primitives = std::move(orderable);
   } else {
     std::copy_if(orderable.begin(), orderable.end(), std::back_inserter(selection.primitives),

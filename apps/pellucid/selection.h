@@ -11,7 +11,7 @@
 namespace pellucid::cli {
 
 struct SelectionOptions {
-  bool all = false;      // order OPAQUE and MASK primitives of a glTF, too
+  bool all = false;      // order OPAQUE and MASK primitives, too
   std::string material;  // only primitives with this material; empty: any
 };
 
@@ -20,8 +20,8 @@ struct Selection {
   std::vector<std::string> notes;         // what was left out, and why
 };
 
-// Chooses the primitives to order: triangle primitives that do not deform. Of a glTF it chooses those drawn
-// with BLEND, or all if there is none. Throws Error{nothing_to_do} if nothing is left, and
+// Chooses the primitives to order: triangle primitives that do not deform. It chooses those drawn with BLEND,
+// or all if there is none. A mesh without a material counts as BLEND. Throws Error{nothing_to_do} if nothing is left, and
 // Error{bad_argument} for a material that the file does not have.
 Selection select_primitives(const Model& model, const SelectionOptions& options);
 

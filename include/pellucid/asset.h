@@ -47,10 +47,19 @@ struct Primitive {
   bool triangles = true;     // false: points or lines, which cannot be ordered
   bool double_sided = true;  // glTF: the material's flag; other formats: true
   bool deforms = false;      // skinned or morphed: orders of the static mesh are not valid
-  AlphaMode alpha_mode = AlphaMode::blend;  // other formats: blend
+  // Other formats: opaque where a material says so, else blend.
+  AlphaMode alpha_mode = AlphaMode::blend;
   std::array<float, 4> base_color{1, 1, 1, 1};
   std::string material_name;
-  bool has_material = false;  // the file says how it looks: any glTF, and OBJ with a material that was found
+  // The file says how opaque it is: any glTF, OBJ with a material that was found, and vertex colours that are
+  // partly translucent.
+  bool has_material = false;
+  // Attributes that formats other than glTF have; those of a glTF stay in `document`. One entry per vertex of
+  // the file (without `new_vertices`), or empty. Colours are linear. Texture coordinates run downwards from
+  // the upper left corner, as in glTF.
+  std::vector<std::array<float, 4>> colors;
+  std::vector<std::array<float, 2>> texcoords;
+  std::string texture;  // path of the image that multiplies the colour; empty: none
   // Set if the mesh was split after it was read (pellucid/split.h). Its last vertices are these, and its
   // triangles are the pieces. write_model() interpolates the attributes that only the document has.
   std::optional<std::vector<SplitVertex>> new_vertices;
@@ -137,6 +146,10 @@ Model make_model(const std::vector<SamplePart>& parts, const std::string& name);
 // Returns whether the triangles of a primitive may differ from those of its file. They may not if it has an
 // extension that may refer to triangles by number.
 bool triangles_may_change(const Model& model, std::uint32_t primitive);
+
+// Returns whether the file says that the primitive is blended. Formats that say nothing about opacity do not
+// count, although `order` takes their meshes as translucent sheets.
+bool is_known_translucent(const Model& model, const Primitive& primitive);
 
 // Returns the bytes that the index data of an order set takes in memory when it is drawn, with 2 or 4 bytes
 // per index.

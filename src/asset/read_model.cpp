@@ -87,6 +87,10 @@ Model make_model(const std::vector<SamplePart>& parts, const std::string& name) 
   return model;
 }
 
+bool is_known_translucent(const Model& model, const Primitive& primitive) {
+  return primitive.alpha_mode == AlphaMode::blend && (is_gltf(model) || primitive.has_material);
+}
+
 std::uint64_t index_bytes(const OrderSet& set, const Mesh& mesh) {
   std::uint64_t nodes = 0;
   for (const NodeSequence& order : set.orders) nodes += order.size();

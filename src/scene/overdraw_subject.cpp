@@ -17,8 +17,8 @@ std::vector<std::size_t> opaque_parts(const Model& model, const PosableModel& po
   std::vector<std::size_t> parts;
   for (std::size_t i = 0; i < posable.parts().size(); ++i) {
     const Primitive& primitive = model.primitives[posable.parts()[i].primitive];
-    if (is_gltf(model) && primitive.alpha_mode == AlphaMode::blend) {
-      notes.push_back(primitive.name + ": left out: its material is BLEND, which needs transparency orders");
+    if (is_known_translucent(model, primitive)) {
+      notes.push_back(primitive.name + ": left out: it is BLEND, which needs transparency orders");
     } else {
       parts.push_back(i);
     }

@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <system_error>
+
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -223,6 +226,69 @@ void repair_normals(Mesh& mesh) {
 
 std::string counted(std::uint64_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::array<float, 4> vertex_color(float red, float green, float blue, float alpha) {
+  const auto unit = [](float x) { return x >= 0 ? std::min(double{x}, 1.0) : 0.0; };
+  const auto linear = [&](float x) {
+    const double encoded = unit(x);
+    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+  };
+  return {linear(red), linear(green), linear(blue), static_cast<float>(unit(alpha))};
+}
+
+void set_alpha_mode(Primitive& primitive, bool states_opacity) {
+  const bool translucent_vertices = std::any_of(primitive.colors.begin(), primitive.colors.end(),
+                                                [](const auto& color) { return color[3] < 1; });
+  primitive.has_material = states_opacity || translucent_vertices;
+  const bool opaque = states_opacity && !translucent_vertices && primitive.base_color[3] >= 1;
+  primitive.alpha_mode = opaque ? AlphaMode::opaque : AlphaMode::blend;
+}
+
+std::string find_beside(const std::string& model_path, std::string_view name) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(model_path).parent_path();
+  const auto is_file = [](const fs::path& path) {
+    std::error_code ignored;
+    return fs::is_regular_file(path, ignored);
+  };
+  std::string wanted(unquoted(name));
+  if (wanted.empty()) return {};
+  if (is_file(folder / wanted)) return (folder / wanted).string();
+  std::replace(wanted.begin(), wanted.end(), '\\', '/');
+  if (is_file(folder / wanted)) return (folder / wanted).string();
+  // Another machine's absolute path, or another case: a file of that name beside the model.
+  const std::string last = fs::path(wanted).filename().string();
+  std::string found;
+  std::error_code status;
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, status)) {
+    const std::string candidate = entry.path().filename().string();
+    if (!equals_ignoring_case(candidate, last) || !is_file(entry.path())) continue;
+    // The order of a folder's entries differs from machine to machine.
+    if (found.empty() || candidate < found) found = candidate;
+  }
+  return found.empty() ? found : (folder / found).string();
+}
+
+std::vector<std::string> split_names(std::string_view names) {
+  std::vector<std::string> result;
+  std::string name;
+  bool quoted = false, begun = false;
+  for (const char c : names) {
+    if (c == '"') {
+      quoted = !quoted;
+      begun = true;
+    } else if (!quoted && (c == ' ' || c == '\t')) {
+      if (begun) result.push_back(std::move(name));
+      name.clear();
+      begun = false;
+    } else {
+      name += c;
+      begun = true;
+    }
+  }
+  if (begun) result.push_back(std::move(name));
+  return result;
 }
 
 void note_short_faces(std::uint64_t count, Model& model) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pellucid/asset.h"
+#include "pellucid/material.h"
 
 namespace pellucid {
 
@@ -57,11 +58,37 @@ void note_short_faces(std::uint64_t count, Model& model);
 // Appends a primitive and the one node that draws it.
 void add_primitive(Model& model, Primitive primitive);
 
+// Returns the linear colour that a vertex colour of PLY, OBJ or OFF means. These formats store what a screen
+// shows (sRGB), 0..1, with linear opacity. Values outside, and NaN, are clamped.
+std::array<float, 4> vertex_color(float red, float green, float blue, float alpha);
+
+// Sets the opacity that the file states: its material (base colour), or vertex colours of which some are
+// translucent. `states_opacity`: the file has a material for the primitive.
+void set_alpha_mode(Primitive& primitive, bool states_opacity);
+
+// Returns the path of a file that a model names. The name may have quotation marks, blanks, and the
+// backslashes, drive letters and wrong case of a file that was made on Windows. Returns an empty path if
+// there is no such file; devices and pipes do not count.
+std::string find_beside(const std::string& model_path, std::string_view name);
+
+// Returns the path of an image as find_beside() does. Where it is missing, or neither PNG nor JPEG, returns an
+// empty text and adds a note that begins with `owner`.
+std::string find_texture(Model& model, const std::string& owner, const std::string& name);
+
+// Returns the looks of a model of a format other than glTF. See read_materials().
+Materials read_foreign_materials(const Model& model, const MaterialOptions& options);
+
+// Splits a list of names at blanks outside quotation marks.
+std::vector<std::string> split_names(std::string_view names);
+
 // A material of an OBJ file (Wavefront MTL).
 struct ObjMaterial {
   // The diffuse colour, and the opacity from `d` or, without it, 1 - `Tr`. MeshLab writes `Tr 1` without `d`
   // for opaque materials, so that combination is ignored.
   std::array<float, 4> base_color{1, 1, 1, 1};
+  std::string texture;      // name of the image of the diffuse colour (map_Kd), without options
+  std::string opacity_map;  // name of the image of the opacity (map_d)
+  bool moves_texture = false;  // with options that scale or move it
 };
 using ObjMaterials = std::map<std::string, ObjMaterial, std::less<>>;  // by name
 

@@ -11,6 +11,8 @@
 
 namespace pellucid {
 
+constexpr std::uint64_t kLargestImageFile = std::uint64_t{1} << 28U;  // bytes that are read
+
 // Says what is wrong with an image file. The caller adds the name of the file.
 class ImageFileError : public std::runtime_error {
  public:

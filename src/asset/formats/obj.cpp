@@ -1,12 +1,16 @@
-// Reads OBJ files (Wavefront): polygons with positions and normals, one primitive per material. Colours and
-// opacities of materials come from the MTL files beside the model. Leaves out texture coordinates, lines,
-// points and free-form surfaces.
+// Reads OBJ files (Wavefront): polygons with positions, normals, texture coordinates and vertex colours, one
+// primitive per material. Colours, opacities and textures of materials come from the MTL files beside the
+// model (mtl.cpp). Leaves out lines, points and free-form surfaces.
 #include <algorithm>
-#include <filesystem>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 
 #include "asset/formats/foreign_model.h"
@@ -18,18 +22,33 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kLargestMaterialFile = std::uint64_t{64} << 20U;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kMostMaterialFiles = 64;
 constexpr std::size_t kMostMaterials = 65536;
 
 struct Corner {
   std::uint32_t position = kNone;
+  std::uint32_t texcoord = kNone;
   std::uint32_t normal = kNone;
+
+  bool operator==(const Corner&) const = default;
+};
+
+struct CornerHash {
+  std::size_t operator()(const Corner& corner) const {
+    std::uint64_t hash = corner.position;
+    for (const std::uint32_t index : {corner.texcoord, corner.normal})
+      hash = hash * 0x9E3779B97F4A7C15ULL + index;
+    return static_cast<std::size_t>(hash ^ (hash >> 32U));
+  }
 };
 
 // The content of the file. Faces become triangles later, because they may name vertices that follow them.
 struct ObjFile {
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;
+  std::vector<std::array<float, 2>> texcoords;  // v runs upwards
+  std::vector<std::array<float, 4>> colors;     // as many as positions, or fewer if the last ones have none
   std::vector<Corner> corners;
   struct Face {
     std::size_t corners_end = 0;
@@ -54,6 +73,7 @@ class ObjParser {
       cursor_.skip_line();
     }
     require_in_range(highest_position_, file_.positions.size(), "position");
+    require_in_range(highest_texcoord_, file_.texcoords.size(), "texture coordinate");
     require_in_range(highest_normal_, file_.normals.size(), "normal");
     if (file_.positions.empty()) {
       throw Error(ErrorKind::bad_input, path_ + ": not an OBJ file, or one without vertices");
@@ -72,17 +92,23 @@ class ObjParser {
   void read_statement(std::string_view keyword) {
     if (keyword == "v") {
       file_.positions.push_back(read_vector("a coordinate"));
+      read_color();
     } else if (keyword == "vn") {
-      file_.normals.push_back(read_vector("a normal's coordinate"));
+      const float x = number_or_nan();
+      const float y = number_or_nan();
+      file_.normals.push_back({x, y, number_or_nan()});
+    } else if (keyword == "vt") {
+      const float u = number_or_nan();
+      file_.texcoords.push_back({u, number_or_nan()});
     } else if (keyword == "f" || keyword == "fo") {
       read_face();
     } else if (keyword == "usemtl") {
-      material_name_ = cursor_.rest_of_line();
+      material_name_ = unquoted(cursor_.rest_of_line());
       material_ = kNone;
     } else if (keyword == "mtllib") {
       file_.libraries.emplace_back(cursor_.rest_of_line());
     } else if (keyword == "o") {
-      file_.objects.emplace(cursor_.rest_of_line());
+      file_.objects.emplace(unquoted(cursor_.rest_of_line()));
     } else if (keyword == "l" || keyword == "p") {
       ++file_.lines_and_points;
     } else if (keyword == "surf" || keyword == "curv" || keyword == "curv2") {
@@ -95,6 +121,24 @@ class ObjParser {
     if (const std::optional<float> value = parse_float(word)) return *value;
     if (word.empty()) throw cursor_.error("the line ends where " + std::string(what) + " should be");
     throw cursor_.unexpected(what, word);
+  }
+
+  // Returns a number that is not needed to draw something; NaN if there is none. Normals that are NaN are
+  // replaced later.
+  float number_or_nan() { return parse_float(cursor_.token_on_line()).value_or(kNaN); }
+
+  // Reads what may follow a position: a weight, a colour, or a colour and an opacity.
+  void read_color() {
+    std::array<float, 4> numbers{};
+    std::size_t count = 0;
+    for (; count < numbers.size(); ++count) {
+      const std::optional<float> number = parse_float(cursor_.token_on_line());
+      if (!number) break;
+      numbers[count] = *number;
+    }
+    if (count < 3) return;
+    file_.colors.resize(file_.positions.size(), {1, 1, 1, 1});
+    file_.colors.back() = vertex_color(numbers[0], numbers[1], numbers[2], count == 4 ? numbers[3] : 1);
   }
 
   Vec3f read_vector(std::string_view what) {
@@ -134,9 +178,12 @@ class ObjParser {
     Corner corner;
     corner.position = parse_index(word.substr(0, slash), word, file_.positions.size(), highest_position_);
     if (slash == word.size()) return corner;
-    const std::size_t second = word.find('/', slash + 1);
-    if (second == std::string_view::npos || second + 1 == word.size()) return corner;
-    corner.normal = parse_index(word.substr(second + 1), word, file_.normals.size(), highest_normal_);
+    const std::size_t second = std::min(word.find('/', slash + 1), word.size());
+    const std::string_view texcoord = word.substr(slash + 1, second - slash - 1);
+    if (!texcoord.empty())
+      corner.texcoord = parse_index(texcoord, word, file_.texcoords.size(), highest_texcoord_);
+    if (second + 1 < word.size())
+      corner.normal = parse_index(word.substr(second + 1), word, file_.normals.size(), highest_normal_);
     return corner;
   }
 
@@ -168,66 +215,75 @@ class ObjParser {
   std::map<std::string, std::uint32_t> material_index_;
   std::string material_name_;
   std::uint32_t material_ = kNone;  // its number, as soon as a face uses it
-  Highest highest_position_, highest_normal_;
+  Highest highest_position_, highest_texcoord_, highest_normal_;
 };
 
-// Builds the mesh of one material. Each pair of position and normal becomes a vertex, numbered by first use.
+// Builds the primitive of one material. Each combination of position, texture coordinate and normal becomes a
+// vertex, numbered by first use.
 class PrimitiveBuilder {
  public:
   explicit PrimitiveBuilder(const ObjFile& file) : file_(file) {}
 
   void add_face(std::span<const Corner> corners) {
-    positions_of_face_.clear();
-    for (const Corner& corner : corners) positions_of_face_.push_back(vertex(corner));
-    triangulate(positions_of_face_, mesh_.positions, mesh_.triangles);
+    vertices_of_face_.clear();
+    for (const Corner& corner : corners) vertices_of_face_.push_back(vertex(corner));
+    triangulate(vertices_of_face_, primitive_.mesh.positions, primitive_.mesh.triangles);
   }
 
-  // A primitive without normals that uses the whole file keeps the file's own vertex numbers.
-  Mesh finish(bool whole_file) {
-    if (!has_normals_) {
-      mesh_.normals.clear();
-      if (whole_file) restore_vertex_numbers();
-    }
-    repair_normals(mesh_);
-    return std::move(mesh_);
+  // A primitive of positions alone that uses the whole file keeps the file's own vertex numbers.
+  Primitive finish(bool whole_file) {
+    if (!has_normals_) primitive_.mesh.normals.clear();
+    if (!has_texcoords_) primitive_.texcoords.clear();
+    if (whole_file && !has_normals_ && !has_texcoords_) restore_vertex_numbers();
+    repair_normals(primitive_.mesh);
+    return std::move(primitive_);
   }
 
  private:
   std::uint32_t vertex(const Corner& corner) {
-    const std::uint64_t key = (std::uint64_t{corner.position} << 32U) | corner.normal;
     const auto [entry, is_new] =
-        vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
+        vertices_.try_emplace(corner, static_cast<std::uint32_t>(primitive_.mesh.positions.size()));
     if (is_new) {
       has_normals_ = has_normals_ || corner.normal != kNone;
-      mesh_.positions.push_back(file_.positions[corner.position]);
-      mesh_.normals.push_back(corner.normal == kNone ? Vec3f{} : file_.normals[corner.normal]);
+      has_texcoords_ = has_texcoords_ || corner.texcoord != kNone;
+      primitive_.mesh.positions.push_back(file_.positions[corner.position]);
+      primitive_.mesh.normals.push_back(corner.normal == kNone ? Vec3f{} : file_.normals[corner.normal]);
+      primitive_.texcoords.push_back(texcoord_of(corner));
+      if (!file_.colors.empty()) primitive_.colors.push_back(file_.colors[corner.position]);
       source_.push_back(corner.position);
     }
     return entry->second;
   }
 
+  // glTF counts v downwards. A coordinate that is not finite cannot be written and becomes 0.
+  [[nodiscard]] std::array<float, 2> texcoord_of(const Corner& corner) const {
+    if (corner.texcoord == kNone) return {};
+    const auto [u, v] = file_.texcoords[corner.texcoord];
+    return {std::isfinite(u) ? u : 0, std::isfinite(v) ? 1 - v : 0};
+  }
+
   void restore_vertex_numbers() {
-    for (Triangle& t : mesh_.triangles) {
+    for (Triangle& t : primitive_.mesh.triangles) {
       for (std::uint32_t& v : t) v = source_[v];
     }
-    mesh_.positions = file_.positions;
+    primitive_.mesh.positions = file_.positions;
+    primitive_.colors = file_.colors;
   }
 
   const ObjFile& file_;
-  Mesh mesh_;
+  Primitive primitive_;
   std::vector<std::uint32_t> source_;  // vertex -> position in the file
-  std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
-  std::vector<std::uint32_t> positions_of_face_;
-  bool has_normals_ = false;
+  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices_;
+  std::vector<std::uint32_t> vertices_of_face_;
+  bool has_normals_ = false, has_texcoords_ = false;
 };
 
-// Reads one MTL file beside the model. Does not touch devices and pipes. Returns false if the file cannot be
-// read.
-bool read_library(const std::filesystem::path& path, ObjMaterials& materials) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) return false;
+// Reads one MTL file beside the model. Returns false if the file cannot be read.
+bool read_library(const std::string& model_path, std::string_view name, ObjMaterials& materials) {
+  const std::string path = find_beside(model_path, name);
+  if (path.empty()) return false;
   try {
-    parse_obj_materials(text_of(read_file(path.string(), kLargestMaterialFile)), materials);
+    parse_obj_materials(text_of(read_file(path, kLargestMaterialFile)), materials);
   } catch (const Error&) {
     return false;
   }
@@ -236,17 +292,15 @@ bool read_library(const std::filesystem::path& path, ObjMaterials& materials) {
 
 // Reads all material files. The rest of an mtllib line is one name with blanks, or several names.
 ObjMaterials read_libraries(const ObjFile& file, Model& model) {
-  const std::filesystem::path folder = std::filesystem::path(model.path).parent_path();
   ObjMaterials materials;
   std::set<std::string> seen;
   for (const std::string& names : file.libraries) {
     if (seen.size() >= kMostMaterialFiles) break;
-    if (!seen.insert(names).second || read_library(folder / names, materials)) continue;
-    TextCursor words("", names, '\0');
-    while (words.has_more() && seen.size() < kMostMaterialFiles) {
-      const std::string name(words.token());
+    if (!seen.insert(names).second || read_library(model.path, names, materials)) continue;
+    for (const std::string& name : split_names(names)) {
+      if (seen.size() >= kMostMaterialFiles) break;
       if (name != names && !seen.insert(name).second) continue;
-      if (name == names || !read_library(folder / name, materials)) {
+      if (name == names || !read_library(model.path, name, materials)) {
         model.notes.push_back("material file " + in_quotes(name) +
                               " cannot be read; default colours are used");
       }
@@ -264,7 +318,32 @@ void add_notes(const ObjFile& file, Model& model) {
     model.notes.push_back(counted(file.free_form, "free-form curve or surface") + " left out");
 }
 
+// Finds the texture of a material, and notes what of it is left out.
+void set_texture(const ObjMaterial& material, Primitive& primitive, Model& model) {
+  const auto note = [&](const std::string& what) {
+    model.notes.push_back("material " + in_quotes(primitive.material_name) + ": " + what);
+  };
+  const std::string& opacity = material.opacity_map;
+  if (!opacity.empty() && opacity != material.texture)
+    note("the opacity map " + in_quotes(opacity) + " is left out");
+  if (material.texture.empty()) return;
+  if (material.moves_texture) note("options that scale or move its texture are left out");
+  if (primitive.texcoords.empty()) return note("its texture is left out: the faces have no texture coordinates");
+  primitive.texture =
+      find_texture(model, "material " + in_quotes(primitive.material_name) + ": ", material.texture);
+}
+
+void note_missing_materials(const std::vector<std::string>& names, Model& model) {
+  if (names.empty()) return;
+  constexpr std::size_t kNamed = 3;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) list += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kNamed) list += " and " + std::to_string(names.size() - kNamed) + " more";
+  model.notes.push_back("no material file describes " + list + "; default colours are used");
+}
+
 void add_primitives(const ObjFile& file, const ObjMaterials& materials, Model& model) {
+  std::vector<std::string> missing;
   std::vector<PrimitiveBuilder> builders(file.material_names.size(), PrimitiveBuilder(file));
   std::size_t begin = 0;
   for (const ObjFile::Face& face : file.faces) {
@@ -275,16 +354,25 @@ void add_primitives(const ObjFile& file, const ObjMaterials& materials, Model& m
   const std::string name = file.objects.size() == 1 && !file.objects.begin()->empty() ? *file.objects.begin()
                                                                                       : file_stem(model.path);
   for (std::size_t m = 0; m < builders.size(); ++m) {
-    Primitive primitive;
-    primitive.mesh = builders[m].finish(builders.size() == 1);
+    Primitive primitive = builders[m].finish(builders.size() == 1);
     if (primitive.mesh.triangles.empty()) continue;
     primitive.name = name;
     primitive.material_name = file.material_names[m];
     const auto material = materials.find(primitive.material_name);
-    primitive.has_material = material != materials.end();
-    if (primitive.has_material) primitive.base_color = material->second.base_color;
+    const bool found = material != materials.end();
+    if (found) {
+      primitive.base_color = material->second.base_color;
+      set_texture(material->second, primitive, model);
+    } else if (!primitive.material_name.empty()) {
+      missing.push_back(in_quotes(primitive.material_name));
+    }
+    set_alpha_mode(primitive, found);
+    // An opacity map that is the texture itself is the texture's own opacity.
+    if (found && !material->second.opacity_map.empty() && !primitive.texture.empty())
+      primitive.alpha_mode = AlphaMode::blend;
     add_primitive(model, std::move(primitive));
   }
+  note_missing_materials(missing, model);
   if (model.primitives.empty()) {
     Primitive points;
     points.name = name;
@@ -299,40 +387,10 @@ void add_primitives(const ObjFile& file, const ObjMaterials& materials, Model& m
   }
 }
 
-// Reads the next number of the line, if there is one, and clamps it to 0..1.
-std::optional<float> unit_number(TextCursor& cursor) {
-  const std::optional<float> value = parse_float(cursor.token_on_line());
-  if (!value || !(*value == *value)) return {};
-  return std::clamp(*value, 0.0F, 1.0F);
-}
-
-// Reads "Kd r g b", or one number for all three.
-void read_diffuse(TextCursor& cursor, ObjMaterial& material) {
-  const std::optional<float> red = unit_number(cursor);
-  if (!red) return;
-  const float green = unit_number(cursor).value_or(*red);
-  const float blue = unit_number(cursor).value_or(*red);
-  material.base_color = {*red, green, blue, material.base_color[3]};
-}
-
-// Reads "d 0.5" or "d -halo 0.5".
-void read_dissolve(TextCursor& cursor, ObjMaterial& material, bool& has_dissolve) {
-  TextCursor ahead = cursor;
-  if (ahead.token_on_line() == "-halo") cursor = ahead;
-  const std::optional<float> opacity = unit_number(cursor);
-  if (!opacity) return;
-  material.base_color[3] = *opacity;
-  has_dissolve = true;
-}
-
-void read_transparency(TextCursor& cursor, ObjMaterial& material, bool has_dissolve) {
-  const std::optional<float> transparency = unit_number(cursor);
-  if (transparency && !has_dissolve && *transparency < 1.0F) material.base_color[3] = 1.0F - *transparency;
-}
-
 Model read_obj(const std::string& path, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_model_file(path);
-  const ObjFile file = ObjParser(path, text_of(bytes)).parse();
+  ObjFile file = ObjParser(path, text_of(bytes)).parse();
+  if (!file.colors.empty()) file.colors.resize(file.positions.size(), {1, 1, 1, 1});
   require_at_most(file.positions.size(), "vertices", path, options);
   require_at_most(file.corners.size(), "face corners", path, options);
 
@@ -343,24 +401,6 @@ Model read_obj(const std::string& path, const ReadOptions& options) {
 }
 
 }  // namespace
-
-void parse_obj_materials(std::string_view text, ObjMaterials& materials) {
-  TextCursor cursor("", text, '#');
-  ObjMaterial* material = nullptr;
-  bool has_dissolve = false;
-  while (!cursor.at_end()) {
-    const std::string_view keyword = cursor.token_on_line();
-    if (keyword == "newmtl") {
-      material = &(materials[std::string(cursor.rest_of_line())] = {});
-      has_dissolve = false;
-    } else if (material != nullptr) {
-      if (keyword == "Kd") read_diffuse(cursor, *material);
-      if (keyword == "d") read_dissolve(cursor, *material, has_dissolve);
-      if (keyword == "Tr") read_transparency(cursor, *material, has_dissolve);
-    }
-    cursor.skip_line();
-  }
-}
 
 FormatReader obj_reader() {
   return {"obj", {".obj"}, nullptr, read_obj};

@@ -1,5 +1,10 @@
 // Reads OFF files (Geomview's object file format) as text: OFF, COFF, NOFF, STOFF and their combinations,
-// with polygons and comments.
+// with polygons and comments. Colours of faces are left out.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
 #include "asset/formats/foreign_model.h"
 #include "asset/formats/reader.h"
 #include "asset/formats/text_cursor.h"
@@ -8,7 +13,7 @@ namespace pellucid {
 namespace {
 
 struct OffHeader {
-  bool normals = false;
+  bool normals = false, colors = false, texcoords = false;
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
 };
@@ -31,8 +36,13 @@ OffHeader read_header(TextCursor& cursor, const std::string& path) {
     if (prefix.find_first_of("4n") != std::string_view::npos) {
       throw cursor.error("OFF files with more than three dimensions are not supported");
     }
-    if (prefix.starts_with("ST")) prefix.remove_prefix(2);
-    if (prefix.starts_with("C")) prefix.remove_prefix(1);
+    const auto take = [&](std::string_view letters) {
+      const bool there = prefix.starts_with(letters);
+      if (there) prefix.remove_prefix(letters.size());
+      return there;
+    };
+    header.texcoords = take("ST");
+    header.colors = take("C");
     if (prefix.starts_with("N")) {
       header.normals = true;
       prefix.remove_prefix(1);
@@ -61,22 +71,60 @@ Vec3f read_vector(TextCursor& cursor, std::string_view what) {
   return {x, y, cursor.read_float(what)};
 }
 
-// Reads the vertices. Colours and texture coordinates fill the rest of the line of a vertex and are skipped.
-void read_vertices(TextCursor& cursor, const OffHeader& header, const std::string& path, Mesh& mesh) {
+// Reads what follows the position and normal of a vertex: a colour of three or four numbers, and texture
+// coordinates. Numbers that are missing leave the defaults.
+void read_attributes(TextCursor& cursor, const OffHeader& header, Primitive& primitive) {
+  constexpr std::size_t kMost = 6;
+  std::array<float, kMost> numbers{};
+  std::size_t count = 0;
+  while (count < kMost) {
+    const std::optional<float> number = parse_float(cursor.token_on_line());
+    if (!number) break;
+    numbers[count++] = std::isfinite(*number) ? *number : 0;
+  }
+  const std::size_t of_texcoord = header.texcoords && count >= 2 ? 2 : 0;
+  if (header.colors) {
+    const std::size_t channels = count - of_texcoord;
+    primitive.colors.push_back({numbers[0], numbers[1], numbers[2], channels >= 4 ? numbers[3] : -1});
+  }
+  if (header.texcoords) {
+    if (of_texcoord == 0) count = 2;
+    // glTF counts v downwards.
+    primitive.texcoords.push_back({numbers[count - 2], 1 - numbers[count - 1]});
+  }
+}
+
+// Colours are either numbers up to 1, or bytes.
+void finish_colors(Primitive& primitive) {
+  float largest = 0;
+  for (const auto& color : primitive.colors)
+    largest = std::max({largest, color[0], color[1], color[2], color[3]});
+  const float unit = largest > 1 ? 255.0F : 1.0F;
+  for (auto& c : primitive.colors)
+    c = vertex_color(c[0] / unit, c[1] / unit, c[2] / unit, c[3] < 0 ? 1 : c[3] / unit);
+}
+
+// Reads the vertices.
+void read_vertices(TextCursor& cursor, const OffHeader& header, const std::string& path,
+                   Primitive& primitive) {
+  Mesh& mesh = primitive.mesh;
   mesh.positions.reserve(header.vertices);
   if (header.normals) mesh.normals.reserve(header.vertices);
   for (std::uint64_t i = 0; i < header.vertices; ++i) {
     if (!cursor.has_more()) throw cut_off(path, "vertex", i, header.vertices);
     mesh.positions.push_back(read_vector(cursor, "a coordinate"));
     if (header.normals) mesh.normals.push_back(read_vector(cursor, "a normal's coordinate"));
+    read_attributes(cursor, header, primitive);
     cursor.skip_line();
   }
+  finish_colors(primitive);
 }
 
-// Reads the faces. The colour of a face fills the rest of its line and is skipped.
+// Reads the faces. The colour of a face fills the rest of its line and is left out, with a note.
 void read_faces(TextCursor& cursor, const OffHeader& header, Model& model, Mesh& mesh) {
   std::vector<std::uint32_t> corners;
   std::uint64_t short_faces = 0;
+  bool has_colors = false;
   for (std::uint64_t f = 0; f < header.faces; ++f) {
     if (!cursor.has_more()) throw cut_off(model.path, "face", f, header.faces);
     const std::uint64_t size = parse_count(cursor, cursor.token(), "the number of corners");
@@ -93,8 +141,10 @@ void read_faces(TextCursor& cursor, const OffHeader& header, Model& model, Mesh&
     }
     if (corners.size() < 3) ++short_faces;
     triangulate(corners, mesh.positions, mesh.triangles);
+    has_colors = has_colors || !cursor.token_on_line().empty();
     cursor.skip_line();
   }
+  if (has_colors) model.notes.emplace_back("colours of faces left out");
   note_short_faces(short_faces, model);
 }
 
@@ -111,11 +161,12 @@ Model read_off(const std::string& path, const ReadOptions& options) {
   Model model = start_model(path, "off");
   Primitive primitive;
   primitive.name = file_stem(path);
-  read_vertices(cursor, header, path, primitive.mesh);
+  read_vertices(cursor, header, path, primitive);
   read_faces(cursor, header, model, primitive.mesh);
   require_at_most(primitive.mesh.triangles.size(), "triangles", path, options);
   if (cursor.has_more()) model.notes.emplace_back("text after the last face left out");
   repair_normals(primitive.mesh);
+  set_alpha_mode(primitive, false);
   add_primitive(model, std::move(primitive));
   return model;
 }

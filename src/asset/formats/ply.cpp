@@ -1,11 +1,13 @@
-// Reads PLY files: text and binary in both byte orders, polygons and triangle strips, any scalar types. Skips
-// elements and properties that are not geometry. Format: Turk, "The PLY polygon file format", 1994.
+// Reads PLY files: text and binary in both byte orders, polygons and triangle strips, any scalar types. Reads
+// positions, normals, colours and texture coordinates of vertices, and texture coordinates of the corners of
+// faces as MeshLab writes them. Skips other elements and properties. Format: Turk, "The PLY polygon file format", 1994.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,152 +15,12 @@
 #include <vector>
 
 #include "asset/formats/foreign_model.h"
+#include "asset/formats/ply_header.h"
 #include "asset/formats/reader.h"
 #include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
-
-enum class PlyFormat { ascii, binary_little_endian, binary_big_endian };
-enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-std::size_t byte_size(PlyType type) {
-  switch (type) {
-    case PlyType::int8:
-    case PlyType::uint8:
-      return 1;
-    case PlyType::int16:
-    case PlyType::uint16:
-      return 2;
-    case PlyType::int32:
-    case PlyType::uint32:
-    case PlyType::float32:
-      return 4;
-    case PlyType::float64:
-      break;
-  }
-  return 8;
-}
-
-struct PlyProperty {
-  std::string name;
-  PlyType type = PlyType::float32;
-  std::optional<PlyType> count_type;  // of a list
-};
-
-struct PlyElement {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;
-
-  // Returns the least size of one such element in the file. A word of text takes one byte and a separator.
-  [[nodiscard]] std::uint64_t least_bytes(PlyFormat format) const {
-    std::uint64_t bytes = 0;
-    for (const PlyProperty& property : properties) {
-      bytes += format == PlyFormat::ascii ? 2 : byte_size(property.count_type.value_or(property.type));
-    }
-    return bytes;
-  }
-};
-
-struct PlyHeader {
-  PlyFormat format = PlyFormat::ascii;
-  std::vector<PlyElement> elements;
-  std::size_t body_begin = 0;   // byte where the data begins
-  std::uint64_t body_line = 0;  // its line
-};
-
-constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{{"char", PlyType::int8},
-                                                                           {"int8", PlyType::int8},
-                                                                           {"uchar", PlyType::uint8},
-                                                                           {"uint8", PlyType::uint8},
-                                                                           {"short", PlyType::int16},
-                                                                           {"int16", PlyType::int16},
-                                                                           {"ushort", PlyType::uint16},
-                                                                           {"uint16", PlyType::uint16},
-                                                                           {"int", PlyType::int32},
-                                                                           {"int32", PlyType::int32},
-                                                                           {"uint", PlyType::uint32},
-                                                                           {"uint32", PlyType::uint32},
-                                                                           {"float", PlyType::float32},
-                                                                           {"float32", PlyType::float32},
-                                                                           {"double", PlyType::float64},
-                                                                           {"float64", PlyType::float64}}};
-
-PlyType read_type(TextCursor& cursor) {
-  const std::string_view word = cursor.token_on_line();
-  const auto* const found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
-                                         [&](const auto& entry) { return entry.first == word; });
-  if (found == kTypeNames.end()) throw cursor.error("unknown property type " + in_quotes(word));
-  return found->second;
-}
-
-PlyFormat read_format(TextCursor& cursor) {
-  const std::string_view word = cursor.token_on_line();
-  if (word == "ascii") return PlyFormat::ascii;
-  if (word == "binary_little_endian") return PlyFormat::binary_little_endian;
-  if (word == "binary_big_endian") return PlyFormat::binary_big_endian;
-  throw cursor.error("unknown PLY format " + in_quotes(word));
-}
-
-PlyElement read_element(TextCursor& cursor) {
-  PlyElement element;
-  element.name = cursor.token_on_line();
-  const std::string_view word = cursor.token_on_line();
-  const std::optional<std::int64_t> count = parse_integer(word);
-  if (!count || *count < 0) throw cursor.error("bad element count " + in_quotes(word));
-  element.count = static_cast<std::uint64_t>(*count);
-  return element;
-}
-
-PlyProperty read_property(TextCursor& cursor) {
-  PlyProperty property;
-  TextCursor ahead = cursor;
-  if (ahead.token_on_line() == "list") {
-    cursor = ahead;
-    property.count_type = read_type(cursor);
-    if (*property.count_type == PlyType::float32 || *property.count_type == PlyType::float64) {
-      throw cursor.error("a list's count must be an integer type");
-    }
-  }
-  property.type = read_type(cursor);
-  property.name = cursor.token_on_line();
-  if (property.name.empty()) throw cursor.error("the property has no name");
-  return property;
-}
-
-// Parses the header. Throws Error{bad_input} naming the line.
-PlyHeader parse_ply_header(std::string_view text, const std::string& path) {
-  TextCursor cursor(path, text, '\0');
-  if (cursor.token_on_line() != "ply") throw Error(ErrorKind::bad_input, path + ": not a PLY file");
-  cursor.skip_line();
-
-  PlyHeader header;
-  bool has_format = false;
-  while (!cursor.at_end()) {
-    const std::string_view keyword = cursor.token_on_line();
-    if (keyword == "end_header") {
-      if (!has_format) throw cursor.error("the PLY header has no format line");
-      cursor.skip_line();
-      header.body_begin = text.size() - cursor.remaining();
-      header.body_line = cursor.line();
-      return header;
-    }
-    if (keyword == "format") {
-      header.format = read_format(cursor);
-      has_format = true;
-    } else if (keyword == "element") {
-      header.elements.push_back(read_element(cursor));
-    } else if (keyword == "property") {
-      if (header.elements.empty()) throw cursor.error("the property stands before any element");
-      header.elements.back().properties.push_back(read_property(cursor));
-    } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-      throw cursor.error("unknown word " + in_quotes(keyword) + " in the PLY header");
-    }
-    cursor.skip_line();
-  }
-  throw Error(ErrorKind::bad_input, path + ": the PLY header has no end (end_header is missing)");
-}
 
 // Reads scalars that follow each other as text. Throws EndOfData where the file ends.
 class AsciiScalars {
@@ -174,6 +36,11 @@ class AsciiScalars {
         type == PlyType::float32 ? std::optional<double>(parse_float(word)) : parse_double(word);
     if (!value) throw BadWord{std::string(word)};
     return *value;
+  }
+
+  // Passes over a number that nobody uses, whatever its text is.
+  void skip(PlyType /*type*/) {
+    if (cursor_.token().empty()) throw EndOfData{};
   }
 
   [[nodiscard]] std::uint64_t remaining() const { return cursor_.remaining(); }
@@ -226,6 +93,11 @@ class BinaryScalars {
     return take<double, std::uint64_t>();
   }
 
+  void skip(PlyType type) {
+    if (remaining() < byte_size(type)) throw AsciiScalars::EndOfData{};
+    at_ += byte_size(type);
+  }
+
   [[nodiscard]] std::uint64_t remaining() const { return text_.size() - at_; }
   [[nodiscard]] static std::uint64_t least_bytes(PlyType type) { return byte_size(type); }
   [[nodiscard]] std::string place() const { return "byte " + std::to_string(at_); }
@@ -258,29 +130,53 @@ class BinaryScalars {
 
 // Says which properties of a vertex are read.
 struct VertexLayout {
-  std::vector<int> slot;  // per property: 0..2 position, 3..5 normal, -1 skipped
-  bool has_normals = false;
+  // The numbers that a vertex can have, in this order, with the names that programs give them.
+  static constexpr std::size_t kNormal = 3, kColor = 6, kAlpha = 9, kTexcoord = 10, kNumbers = 12;
+  std::vector<int> slot;                     // per property: which of the numbers it is, -1: skipped
+  std::array<float, kNumbers> per_unit{};    // of colours: the number that means 1
+  bool has_normals = false, has_colors = false, has_texcoords = false;
 };
 
+bool is_name_of(std::size_t number, std::string_view name) {
+  static const std::array<std::vector<std::string_view>, VertexLayout::kNumbers> kNames{
+      {{"x"}, {"y"}, {"z"}, {"nx", "normal_x"}, {"ny", "normal_y"}, {"nz", "normal_z"},
+       {"red", "r", "diffuse_red"}, {"green", "g", "diffuse_green"}, {"blue", "b", "diffuse_blue"},
+       {"alpha", "a", "diffuse_alpha"}, {"s", "u", "texture_u"}, {"t", "v", "texture_v"}}};
+  return std::find(kNames.at(number).begin(), kNames.at(number).end(), name) != kNames.at(number).end();
+}
+
+// Colours of integer types reach from 0 to the largest number of the type, those of floats to 1.
+float unit_of(PlyType type) {
+  if (type == PlyType::float32 || type == PlyType::float64) return 1;
+  return static_cast<float>(std::pow(2.0, 8.0 * static_cast<double>(byte_size(type))) - 1);
+}
+
 VertexLayout vertex_layout(const PlyElement& element, const std::string& path) {
-  constexpr std::array<std::string_view, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
+  constexpr std::array<std::string_view, 3> kCoordinates{"x", "y", "z"};
   VertexLayout layout;
   layout.slot.assign(element.properties.size(), -1);
-  std::array<bool, 6> found{};
+  std::array<bool, VertexLayout::kNumbers> found{};
   for (std::size_t p = 0; p < element.properties.size(); ++p) {
-    for (std::size_t i = 0; i < kNames.size(); ++i) {
+    for (std::size_t i = 0; i < found.size(); ++i) {
       const PlyProperty& property = element.properties[p];
-      if (found[i] || property.name != kNames[i] || property.count_type) continue;
+      if (found[i] || property.count_type || !is_name_of(i, property.name)) continue;
       layout.slot[p] = static_cast<int>(i);
+      layout.per_unit[i] = unit_of(property.type);
       found[i] = true;
     }
   }
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!found[i]) {
-      throw Error(ErrorKind::bad_input, path + ": the vertices have no property " + std::string(kNames[i]));
-    }
+  for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
+    if (!found[i])
+      throw Error(ErrorKind::bad_input,
+                  path + ": the vertices have no property " + std::string(kCoordinates[i]));
   }
-  layout.has_normals = found[3] && found[4] && found[5];
+  const auto all = [&](std::size_t first, std::size_t count) {
+    return std::all_of(found.begin() + static_cast<std::ptrdiff_t>(first),
+                       found.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool f) { return f; });
+  };
+  layout.has_normals = all(VertexLayout::kNormal, 3);
+  layout.has_colors = all(VertexLayout::kColor, 3);
+  layout.has_texcoords = all(VertexLayout::kTexcoord, 2);
   return layout;
 }
 
@@ -299,6 +195,8 @@ std::size_t index_list(const PlyElement& element) {
 struct IndexLists {
   std::vector<std::int64_t> indices;
   std::vector<std::size_t> ends;
+  // Texture coordinates of the corners, two numbers for each; empty if some corner has none.
+  std::vector<float> texcoords;
 };
 
 template <class Scalars>
@@ -313,14 +211,17 @@ class PlyBody {
 
     Model model = start_model(path_, "ply");
     if (scalars_.has_more()) model.notes.emplace_back("data after the last element left out");
+    give_corners_vertices(options);
     add_polygons(model);
     add_strips();
     require_at_most(mesh_.triangles.size(), "triangles", path_, options);
     repair_normals(mesh_);
-    Primitive primitive;
-    primitive.name = file_stem(path_);
-    primitive.mesh = std::move(mesh_);
-    add_primitive(model, std::move(primitive));
+    primitive_.mesh = std::move(mesh_);
+    primitive_.name = file_stem(path_);
+    set_texture(model);
+    add_notes(model);
+    set_alpha_mode(primitive_, false);
+    add_primitive(model, std::move(primitive_));
     return model;
   }
 
@@ -342,6 +243,7 @@ class PlyBody {
         for (; i < element.count; ++i) read_vertex(element, layout);
       } else if (element.name == "face") {
         const std::size_t list = require_list(element);
+        note_face_properties(element);
         faces_.ends.reserve(element.count);
         for (; i < element.count; ++i) read_list(element, list, faces_);
       } else if (element.name == "tristrips") {
@@ -373,17 +275,35 @@ class PlyBody {
   }
 
   void read_vertex(const PlyElement& element, const VertexLayout& layout) {
-    std::array<float, 6> values{};
+    std::array<float, VertexLayout::kNumbers> values{};
+    values[VertexLayout::kAlpha] = 1;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       if (layout.slot[p] < 0) {
         skip(element.properties[p]);
       } else {
-        values[static_cast<std::size_t>(layout.slot[p])] =
-            static_cast<float>(scalars_.next(element.properties[p].type));
+        const auto slot = static_cast<std::size_t>(layout.slot[p]);
+        const auto value = static_cast<float>(scalars_.next(element.properties[p].type));
+        values[slot] = slot >= VertexLayout::kColor && slot <= VertexLayout::kAlpha
+                           ? value / layout.per_unit[slot]
+                           : value;
       }
     }
     mesh_.positions.push_back({values[0], values[1], values[2]});
     if (layout.has_normals) mesh_.normals.push_back({values[3], values[4], values[5]});
+    if (layout.has_colors) primitive_.colors.push_back(vertex_color(values[6], values[7], values[8], values[9]));
+    if (layout.has_texcoords) primitive_.texcoords.push_back(texcoord(values[10], values[11]));
+  }
+
+  // glTF counts v downwards. A coordinate that is not finite cannot be written and becomes 0.
+  static std::array<float, 2> texcoord(float u, float v) {
+    return {std::isfinite(u) ? u : 0, std::isfinite(v) ? 1 - v : 0};
+  }
+
+  // Says which properties of faces are left out.
+  void note_face_properties(const PlyElement& element) {
+    for (const PlyProperty& property : element.properties) {
+      face_colors_ = face_colors_ || property.name == "red" || property.name == "diffuse_red";
+    }
   }
 
   std::size_t require_list(const PlyElement& element) const {
@@ -410,11 +330,22 @@ class PlyBody {
 
   void skip(const PlyProperty& property) {
     const std::uint64_t count = property.count_type ? list_length(property) : 1;
-    for (std::uint64_t i = 0; i < count; ++i) scalars_.next(property.type);
+    for (std::uint64_t i = 0; i < count; ++i) scalars_.skip(property.type);
   }
 
   void read_list(const PlyElement& element, std::size_t list, IndexLists& lists) {
+    const std::size_t first_texcoord = lists.texcoords.size();
+    bool complete = false;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      if (p != list && is_texcoord_list(element.properties[p])) {
+        read_texcoords(element.properties[p], lists);
+        complete = true;
+        continue;
+      }
+      if (p != list && element.properties[p].name == "texnumber" && !element.properties[p].count_type) {
+        other_textures_ = scalars_.next(element.properties[p].type) > 0 || other_textures_;
+        continue;
+      }
       if (p != list) {
         skip(element.properties[p]);
         continue;
@@ -424,7 +355,68 @@ class PlyBody {
         lists.indices.push_back(to_index(scalars_.next(element.properties[p].type)));
       }
     }
+    const std::size_t corners = lists.indices.size() - (lists.ends.empty() ? 0 : lists.ends.back());
     lists.ends.push_back(lists.indices.size());
+    // Faces may lack coordinates, or have another number of them.
+    if (complete) lists.texcoords.resize(first_texcoord + 2 * corners, 0.0F);
+  }
+
+  static bool is_texcoord_list(const PlyProperty& property) {
+    return property.count_type && property.name == "texcoord";
+  }
+
+  void read_texcoords(const PlyProperty& property, IndexLists& lists) {
+    const std::uint64_t count = list_length(property);
+    for (std::uint64_t i = 0; i < count; ++i)
+      lists.texcoords.push_back(static_cast<float>(scalars_.next(property.type)));
+  }
+
+  // Where corners of faces have texture coordinates of their own, each combination of vertex and coordinates
+  // becomes a vertex, numbered by first use. Strips, which would need the old numbers, do not occur beside
+  // them.
+  void give_corners_vertices(const ReadOptions& options) {
+    if (faces_.texcoords.empty() || faces_.texcoords.size() != 2 * faces_.indices.size() || !strips_.ends.empty())
+      return;
+    require_at_most(faces_.indices.size(), "face corners", path_, options);
+    using Key = std::pair<std::int64_t, std::array<float, 2>>;
+    std::map<Key, std::uint32_t> numbers;
+    std::vector<std::int64_t> corners;
+    Mesh mesh;
+    Primitive primitive;
+    for (std::size_t i = 0; i < faces_.indices.size(); ++i) {
+      const std::int64_t old = faces_.indices[i];
+      if (old < 0 || static_cast<std::uint64_t>(old) >= mesh_.positions.size()) return;  // reported later
+      const std::array<float, 2> uv = texcoord(faces_.texcoords[2 * i], faces_.texcoords[2 * i + 1]);
+      const auto [entry, is_new] =
+          numbers.try_emplace({old, uv}, static_cast<std::uint32_t>(mesh.positions.size()));
+      corners.push_back(entry->second);
+      if (!is_new) continue;
+      const auto from = static_cast<std::size_t>(old);
+      mesh.positions.push_back(mesh_.positions[from]);
+      if (!mesh_.normals.empty()) mesh.normals.push_back(mesh_.normals[from]);
+      if (!primitive_.colors.empty()) primitive.colors.push_back(primitive_.colors[from]);
+      primitive.texcoords.push_back(uv);
+    }
+    faces_.indices = std::move(corners);
+    mesh_ = std::move(mesh);
+    primitive_.colors = std::move(primitive.colors);
+    primitive_.texcoords = std::move(primitive.texcoords);
+  }
+
+  void set_texture(Model& model) {
+    if (header_.textures.empty()) return;
+    const std::string& name = header_.textures.front();
+    if (primitive_.texcoords.empty()) {
+      model.notes.push_back("texture " + in_quotes(name) + " left out: there are no texture coordinates");
+      return;
+    }
+    primitive_.texture = find_texture(model, "", name);
+    other_textures_ = other_textures_ || header_.textures.size() > 1;
+  }
+
+  void add_notes(Model& model) const {
+    if (face_colors_) model.notes.emplace_back("colours of faces left out");
+    if (other_textures_) model.notes.emplace_back("of several textures only the first is used");
   }
 
   // Returns a number as an index. A number that cannot be an index becomes one that is out of range, which is
@@ -494,7 +486,9 @@ class PlyBody {
   Scalars scalars_;
   bool has_vertices_ = false;
   Mesh mesh_;
+  Primitive primitive_;  // its attributes
   IndexLists faces_, strips_;
+  bool face_colors_ = false, other_textures_ = false;
 };
 
 Model read_ply(const std::string& path, const ReadOptions& options) {
@@ -508,6 +502,7 @@ Model read_ply(const std::string& path, const ReadOptions& options) {
 }
 
 bool begins_as_ply(std::string_view bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
 }
 

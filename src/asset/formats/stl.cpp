@@ -2,7 +2,6 @@
 // left out, because they follow from the corners.
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cstring>
 #include <limits>
 
@@ -23,13 +22,8 @@ std::uint32_t little_endian_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-bool equals_ignoring_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char p, char q) {
-    return std::tolower(static_cast<unsigned char>(p)) == std::tolower(static_cast<unsigned char>(q));
-  });
-}
-
 bool begins_with_solid(std::string_view bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
   const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
   return equals_ignoring_case(bytes.substr(first, 5), "solid");
 }
@@ -92,21 +86,31 @@ class AsciiStl {
   [[nodiscard]] std::uint64_t short_facets() const { return short_facets_; }
 
  private:
-  void expect(std::string_view keyword) {
-    const std::string_view word = cursor_.token();
-    if (!equals_ignoring_case(word, keyword))
-      throw cursor_.unexpected("'" + std::string(keyword) + "'", word);
+  static bool begins_with(std::string_view word, std::string_view keyword) {
+    return equals_ignoring_case(word.substr(0, keyword.size()), keyword);
+  }
+
+  // Reads a keyword of two words, or of one: "outer loop", "endloop" and "end loop". A name may be glued to it.
+  void expect(std::string_view first, std::string_view second, std::string_view word) {
+    if (equals_ignoring_case(word, first)) {
+      if (begins_with(cursor_.token(), second)) return;
+    } else if (begins_with(word, first) && begins_with(word.substr(first.size()), second)) {
+      return;
+    }
+    throw cursor_.unexpected("'" + std::string(first) + " " + std::string(second) + "'", word);
   }
 
   void read_solid() {
-    expect("solid");
+    std::string_view word = cursor_.token();
+    if (!begins_with(word, "solid")) throw cursor_.unexpected("'solid'", word);
     const std::string_view name = cursor_.rest_of_line();
     if (name_.empty()) name_ = name;
     for (;;) {
-      const std::string_view word = cursor_.token();
-      if (equals_ignoring_case(word, "facet")) {
+      word = cursor_.token();
+      if (begins_with(word, "facet")) {
         read_facet();
-      } else if (equals_ignoring_case(word, "endsolid")) {
+      } else if (begins_with(word, "end")) {
+        expect("end", "solid", word);
         cursor_.rest_of_line();
         return;
       } else {
@@ -115,11 +119,17 @@ class AsciiStl {
     }
   }
 
+  // Skips the normal, which follows from the corners, whatever stands in its place.
+  std::string_view after_normal() {
+    for (;;) {
+      const std::string_view word = cursor_.token();
+      if (word.empty() || begins_with(word, "outer")) return word;
+      if (begins_with(word, "vertex") || begins_with(word, "end")) return word;
+    }
+  }
+
   void read_facet() {
-    expect("normal");
-    for (int i = 0; i < 3; ++i) cursor_.read_float("a normal's coordinate");
-    expect("outer");
-    expect("loop");
+    expect("outer", "loop", after_normal());
     std::vector<std::uint32_t> corners;
     std::string_view word = cursor_.token();
     for (; equals_ignoring_case(word, "vertex"); word = cursor_.token()) {
@@ -128,8 +138,9 @@ class AsciiStl {
       const float y = cursor_.read_float("a coordinate");
       mesh_.positions.push_back({x, y, cursor_.read_float("a coordinate")});
     }
-    if (!equals_ignoring_case(word, "endloop")) throw cursor_.unexpected("'vertex' or 'endloop'", word);
-    expect("endfacet");
+    if (!begins_with(word, "end")) throw cursor_.unexpected("'vertex' or 'endloop'", word);
+    expect("end", "loop", word);
+    expect("end", "facet", cursor_.token());
     if (corners.size() < 3) ++short_facets_;
     // Some programs write polygons with more than three corners.
     triangulate(corners, mesh_.positions, mesh_.triangles);

@@ -10,7 +10,11 @@ namespace pellucid {
 namespace {
 
 bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+
+bool is_line_end(char c) {
+  return c == '\n' || c == '\r';
 }
 
 std::string_view without_plus(std::string_view text) {
@@ -34,13 +38,27 @@ double beyond_double(std::string_view text) {
   return negative ? -size : size;
 }
 
+// Returns the value of a word that the C library of older Microsoft compilers prints: "1.#INF", "-1.#IND00",
+// "1.#QNAN", and "1.#J", which is "1.#INF" rounded to one digit.
+std::optional<double> microsoft_word(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative) text.remove_prefix(1);
+  if (!text.starts_with("1.#")) return {};
+  text.remove_prefix(3);
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (text.starts_with("INF") || text.starts_with('J')) return negative ? -infinity : infinity;
+  if (text.starts_with("IND") || text.starts_with("QNAN") || text.starts_with("SNAN"))
+    return std::numeric_limits<double>::quiet_NaN();
+  return {};
+}
+
 }  // namespace
 
 std::optional<double> parse_double(std::string_view text) {
   text = without_plus(text);
   double value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status == std::errc::invalid_argument || end != text.data() + text.size()) return {};
+  if (status == std::errc::invalid_argument || end != text.data() + text.size()) return microsoft_word(text);
   return status == std::errc::result_out_of_range ? beyond_double(text) : value;
 }
 
@@ -48,7 +66,10 @@ std::optional<float> parse_float(std::string_view text) {
   text = without_plus(text);
   float value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status == std::errc::invalid_argument || end != text.data() + text.size()) return {};
+  if (status == std::errc::invalid_argument || end != text.data() + text.size()) {
+    const std::optional<double> word = microsoft_word(text);
+    return word ? std::optional(static_cast<float>(*word)) : std::nullopt;
+  }
   if (status != std::errc::result_out_of_range) return value;
   const double wide = parse_double(text).value_or(0.0);
   const float size = std::fabs(wide) > 1.0 ? std::numeric_limits<float>::infinity() : 0.0F;
@@ -70,9 +91,32 @@ std::string in_quotes(std::string_view text, std::size_t longest) {
   return result + (text.size() > longest ? "...'" : "'");
 }
 
+std::string_view unquoted(std::string_view name) {
+  while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
+  while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+  const bool quoted = name.size() >= 2 && name.front() == name.back() && name.front() == '"';
+  return quoted ? name.substr(1, name.size() - 2) : name;
+}
+
+bool equals_ignoring_case(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char p, char q) { return lower(p) == lower(q); });
+}
+
+TextCursor::TextCursor(std::string path, std::string_view text, char comment)
+    : path_(std::move(path)), text_(text), comment_(comment) {
+  if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
+  if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
+    throw Error(ErrorKind::bad_input, path_ + ": the text is UTF-16; save it as UTF-8 or ASCII");
+}
+
 bool TextCursor::at_continuation() const {
-  const std::string_view rest = text_.substr(at_);
-  return rest.starts_with("\\\n") || rest.starts_with("\\\r\n");
+  return text_[at_] == '\\' && at_ + 1 < text_.size() && is_line_end(text_[at_ + 1]);
+}
+
+void TextCursor::go_to_line_end() {
+  while (at_ < text_.size() && !is_line_end(text_[at_])) ++at_;
 }
 
 // Skips blanks, continued line ends, and comments, but not the end of the line.
@@ -83,7 +127,7 @@ void TextCursor::skip_blanks() {
     } else if (at_continuation()) {
       skip_line();
     } else if (comment_ != '\0' && text_[at_] == comment_) {
-      at_ = std::min(text_.find('\n', at_), text_.size());
+      go_to_line_end();
     } else {
       return;
     }
@@ -92,7 +136,7 @@ void TextCursor::skip_blanks() {
 
 std::string_view TextCursor::take_word() {
   const std::size_t begin = at_;
-  while (at_ < text_.size() && text_[at_] != '\n' && !is_blank(text_[at_]) && !at_continuation()) ++at_;
+  while (at_ < text_.size() && !is_line_end(text_[at_]) && !is_blank(text_[at_]) && !at_continuation()) ++at_;
   return text_.substr(begin, at_ - begin);
 }
 
@@ -104,7 +148,7 @@ std::string_view TextCursor::token_on_line() {
 bool TextCursor::has_more() {
   for (;;) {
     skip_blanks();
-    if (at_ >= text_.size() || text_[at_] != '\n') return at_ < text_.size();
+    if (at_ >= text_.size() || !is_line_end(text_[at_])) return at_ < text_.size();
     skip_line();
   }
 }
@@ -117,20 +161,17 @@ std::string_view TextCursor::token() {
 std::string_view TextCursor::rest_of_line() {
   while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
   const std::size_t begin = at_;
-  at_ = std::min(text_.find('\n', at_), text_.size());
+  go_to_line_end();
   std::string_view rest = text_.substr(begin, at_ - begin);
   while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
   return rest;
 }
 
 void TextCursor::skip_line() {
-  const std::size_t end = text_.find('\n', at_);
-  if (end == std::string_view::npos) {
-    at_ = text_.size();
-  } else {
-    at_ = end + 1;
-    ++line_;
-  }
+  go_to_line_end();
+  if (at_ >= text_.size()) return;
+  at_ += text_.substr(at_).starts_with("\r\n") ? 2U : 1U;
+  ++line_;
 }
 
 float TextCursor::read_float(std::string_view what) {

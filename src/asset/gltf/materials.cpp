@@ -1,9 +1,10 @@
-// Implements pellucid/material.h for glTF and OBJ: reads materials, textures and vertex colours of a model.
+// Implements pellucid/material.h for glTF: reads materials, textures and vertex colours of a model.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 
+#include "asset/formats/foreign_model.h"
 #include "asset/formats/images.h"
 #include "asset/formats/text_cursor.h"
 #include "asset/gltf/accessors.h"
@@ -12,8 +13,6 @@
 
 namespace pellucid {
 namespace {
-
-constexpr std::uint64_t kLargestImageFile = std::uint64_t{1} << 28U;
 
 // A texture as a material uses it.
 struct TextureUse {
@@ -275,14 +274,7 @@ class MaterialReader {
 
 Materials read_materials(const Model& model, const MaterialOptions& options) {
   if (model.document != nullptr) return MaterialReader(model, options).read();
-  Materials materials;
-  for (const Primitive& primitive : model.primitives) {
-    PrimitiveLook& look = materials.primitives.emplace_back();
-    look.known = primitive.has_material;
-    look.base_color = primitive.base_color;
-    look.alpha_mode = look.known && look.base_color[3] >= 1 ? AlphaMode::opaque : AlphaMode::blend;
-  }
-  return materials;
+  return read_foreign_materials(model, options);
 }
 
 }  // namespace pellucid

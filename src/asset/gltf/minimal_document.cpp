@@ -1,10 +1,14 @@
-// Implements minimal_document.h: writes meshes, materials and nodes as JSON and buffers.
+// Implements minimal_document.h: writes meshes, materials, textures and nodes as JSON and buffers. Textures
+// become part of the file's own data, so that the file does not depend on where it is.
 #include "asset/gltf/minimal_document.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <map>
 
+#include "asset/formats/images.h"
 #include "asset/gltf/accessors.h"
 #include "asset/gltf/edit.h"
 
@@ -12,7 +16,6 @@ namespace pellucid {
 namespace {
 
 constexpr double kUnitTolerance = 1e-4;
-
 bool is_finite(const Vec3f& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -39,10 +42,28 @@ std::vector<Vec3f> unit_normals(const std::vector<Vec3f>& normals) {
   return unit;
 }
 
-Bytes bytes_of_vectors(const std::vector<Vec3f>& vectors) {
-  Bytes bytes(vectors.size() * sizeof(Vec3f));
-  if (!bytes.empty()) std::memcpy(bytes.data(), vectors.data(), bytes.size());
+template <class Element>
+Bytes bytes_of(const std::vector<Element>& elements) {
+  Bytes bytes(elements.size() * sizeof(Element));
+  if (!bytes.empty()) std::memcpy(bytes.data(), elements.data(), bytes.size());
   return bytes;
+}
+
+// Returns the attribute of all vertices: those that splitting added get the mean of their sources.
+template <std::size_t N>
+std::vector<std::array<float, N>> with_new_vertices(std::vector<std::array<float, N>> values,
+                                                    const Primitive& primitive) {
+  if (values.empty() || !primitive.new_vertices) return values;
+  for (const SplitVertex& vertex : *primitive.new_vertices) {
+    std::array<double, N> sum{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < N; ++k) sum[k] += vertex.weights[i] * values[vertex.sources[i]][k];
+    }
+    std::array<float, N> mean{};
+    for (std::size_t k = 0; k < N; ++k) mean[k] = static_cast<float>(sum[k]);
+    values.push_back(mean);
+  }
+  return values;
 }
 
 bool is_drawable(const Mesh& mesh, const Triangle& triangle) {
@@ -106,7 +127,7 @@ class MinimalDocument {
 
   std::uint64_t add_vectors(const std::vector<Vec3f>& vectors, bool with_bounds) {
     Json accessor;
-    accessor["bufferView"] = add_view(bytes_of_vectors(vectors), kVertexTarget);
+    accessor["bufferView"] = add_view(bytes_of(vectors), kVertexTarget);
     accessor["componentType"] = single_float;
     accessor["count"] = vectors.size();
     accessor["type"] = "VEC3";
@@ -121,6 +142,35 @@ class MinimalDocument {
       accessor["max"] = to_json(high);
     }
     return append("accessors", std::move(accessor));
+  }
+
+  template <std::size_t N>
+  void add_attribute(Json& json, const char* name, const std::vector<std::array<float, N>>& values,
+                     const Primitive& primitive) {
+    const std::vector<std::array<float, N>> all = with_new_vertices(values, primitive);
+    if (all.empty() || all.size() != primitive.mesh.positions.size()) return;
+    Json accessor;
+    accessor["bufferView"] = add_view(bytes_of(all), kVertexTarget);
+    accessor["componentType"] = single_float;
+    accessor["count"] = all.size();
+    accessor["type"] = "VEC" + std::to_string(N);
+    json["attributes"][name] = append("accessors", std::move(accessor));
+  }
+
+  // Returns the number of the texture of an image file, which becomes a part of the file's data.
+  std::uint64_t add_texture(const std::string& path) {
+    if (const auto known = textures_.find(path); known != textures_.end()) return known->second;
+    const Bytes file = read_file(path, kLargestImageFile);
+    Json image;
+    image["bufferView"] = editor_.append_view(editor_.append_bytes(editor_.host_buffer(), file));
+    image["mimeType"] = !file.empty() && file[0] == std::byte{0x89} ? "image/png" : "image/jpeg";
+    image["name"] = std::filesystem::path(path).stem().string();
+    Json& document = editor_.document().json;
+    for (const char* array : {"images", "textures"}) {
+      if (!document.contains(array)) document[array] = Json::array();
+    }
+    const std::uint64_t source = append("images", std::move(image));
+    return textures_[path] = append("textures", {{"source", source}});
   }
 
   std::uint64_t add_indices(const Mesh& mesh, const std::vector<std::uint32_t>& base) {
@@ -143,6 +193,8 @@ class MinimalDocument {
     }
     material["pbrMetallicRoughness"]["baseColorFactor"] = std::move(color);
     material["pbrMetallicRoughness"]["metallicFactor"] = 0;
+    if (!primitive.texture.empty() && !primitive.texcoords.empty())
+      material["pbrMetallicRoughness"]["baseColorTexture"]["index"] = add_texture(primitive.texture);
     material["alphaMode"] = to_text(primitive.alpha_mode);
     material["doubleSided"] = primitive.double_sided;
     const Json& materials = editor_.document().json["materials"];
@@ -163,6 +215,8 @@ class MinimalDocument {
     if (primitive.mesh.normals.size() == primitive.mesh.positions.size()) {
       json["attributes"]["NORMAL"] = add_vectors(unit_normals(primitive.mesh.normals), false);
     }
+    add_attribute(json, "COLOR_0", primitive.colors, primitive);
+    add_attribute(json, "TEXCOORD_0", primitive.texcoords, primitive);
     // A primitive without triangles is written as points.
     if (written.base.empty()) {
       json["mode"] = 0;
@@ -204,6 +258,7 @@ class MinimalDocument {
 
   const Model& model_;
   DocumentEditor editor_;
+  std::map<std::string, std::uint64_t> textures_;  // by the path of the image
 };
 
 }  // namespace

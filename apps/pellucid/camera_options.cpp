@@ -55,7 +55,7 @@ bool is_file_camera(const std::string& text) {
 Camera camera_from(const std::string& text, const Model& model, const Scene& scene, std::uint32_t width,
                    std::uint32_t height) {
   if (!is_file_camera(text)) return look_at_sphere(scene.sphere, parse_camera(text), width, height);
-  return file_camera(model, text.substr(kFileCamera.size()), scene.sphere, width, height);
+  return file_camera(model, text.substr(kFileCamera.size()), scene, width, height);
 }
 
 namespace {

@@ -126,11 +126,6 @@ nlohmann::ordered_json to_json(const CaptureJob& job, const std::string& device,
   return json;
 }
 
-bool any_deforms(const Model& model) {
-  return std::any_of(model.primitives.begin(), model.primitives.end(),
-                     [](const Primitive& p) { return p.deforms; });
-}
-
 // Draws more frames, in which nothing is counted, and sets the times to their medians.
 void time_more_frames(std::uint32_t frames, RenderOptions options, const Camera& camera, Renderer& renderer,
                       const Session& session, CaptureStats& stats) {
@@ -196,7 +191,6 @@ class Stage {
       : job_(job),
         model_(model),
         rest_(make_scene(model)),
-        deforms_(any_deforms(model)),
         options_(job.options) {
     options_.budget.maps = !job.maps.empty();
     options_.budget.importance.image = read_importance(job.importance_image);
@@ -208,8 +202,7 @@ class Stage {
     time_ = time;
     scene_ = rest_;
     pose_.time = time;
-    if (!job_.animation.empty() || deforms_)
-      pose_.animation = pose_scene(model_, job_.animation, time, scene_);
+    if (!job_.animation.empty()) pose_.animation = pose_scene(model_, job_.animation, time, scene_);
     notes_.clear();
     drawn_ = make_render_scene(model_, scene_, job_.surfaces, job_.look, &notes_);
     loaded_ = false;
@@ -249,7 +242,6 @@ class Stage {
   std::vector<std::string> notes_;
   std::optional<double> time_;
   ScenePose pose_;
-  bool deforms_;
   RenderOptions options_;
   bool loaded_ = false;
 };
@@ -266,7 +258,7 @@ void render_capture(const CaptureJob& job, Session& session) {
   const std::vector<Shot> shots = shots_of(job);
   for (const Shot& shot : shots)
     if (!is_file_camera(shot.camera)) parse_camera(shot.camera);
-  const Model model = read_model(job.input);
+  const Model model = open_model(job.input, session);
   const std::string device = reference ? std::string(kReference) : renderer->info().name;
   Stage stage(job, model);
   std::vector<Taken> taken;

@@ -142,7 +142,7 @@ void run_compare(const CompareCommand& command, Session& session) {
   for (const std::string& input : command.inputs) {
     session.set_subject(input);
     begin_stage(session.progress(), "reading", 0);
-    DrawnScene drawn = open_scene(read_model(input), job);
+    DrawnScene drawn = open_scene(open_model(input, session), job);
     stop_if_signalled();
     report.scenes.push_back(compare_techniques(renderer, drawn, options, session));
     report.scenes.back().camera = command.camera;

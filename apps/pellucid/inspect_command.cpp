@@ -12,6 +12,7 @@ void add_inspect_command(CLI::App& app, Chosen& chosen) {
                   "  pellucid inspect bunny.ply --json -",
                   1, [file](Session& session) {
                     const Model model = read_model(*file);
+                    check_extensions(model, session);
                     session.print(inspect_text(model));
                     session.write_json(inspect_json(model));
                   });

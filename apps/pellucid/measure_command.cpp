@@ -59,9 +59,9 @@ void note_overdraw_orders(const Model& model, const Session& session) {
 
 // Reads the primitives that are measured: those with orders if `want_orders`, or else all.
 Input read_input(const std::string& path, const std::string& label, bool want_orders,
-                 std::uint32_t simplify_to, const Session* notes = nullptr) {
-  Model model = read_model(path);
-  if (notes != nullptr) note_overdraw_orders(model, *notes);
+                 std::uint32_t simplify_to, const Session& session) {
+  Model model = open_model(path, session);
+  if (want_orders) note_overdraw_orders(model, session);
   Input input{path, label, {}, {}};
   for (Primitive& primitive : model.primitives) {
     if (!primitive.triangles || primitive.mesh.triangles.empty()) continue;
@@ -93,13 +93,13 @@ std::vector<Input> read_inputs(const MeasureCommandOptions& options, const Sessi
   const std::vector<std::string> labels = labels_of(options.inputs);
   std::vector<Input> inputs;
   for (std::size_t i = 0; i < options.inputs.size(); ++i) {
-    inputs.push_back(read_input(options.inputs[i], labels[i], true, 0, &session));
+    inputs.push_back(read_input(options.inputs[i], labels[i], true, 0, session));
   }
   if (inputs.front().primitives.empty()) {
     if (inputs.size() > 1) {
       throw Error(ErrorKind::nothing_to_do, options.inputs.front() + ": there are no orders in it");
     }
-    inputs.front() = read_input(options.inputs.front(), labels.front(), false, options.simplify);
+    inputs.front() = read_input(options.inputs.front(), labels.front(), false, options.simplify, session);
   } else {
     refuse_without_effect(*options.command, {needs("--simplify", !options.original.empty(),
                                                    "it simplifies --original MODEL, which is not given")});
@@ -260,7 +260,7 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   begin_stage(session.progress(), "reading", 0);
   std::vector<Input> inputs = read_inputs(options, session);
   std::optional<Input> original;
-  if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify);
+  if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify, session);
   std::vector<const Mesh*> originals;
   for (std::size_t k = 0; k < inputs.front().primitives.size(); ++k) {
     const bool unordered = !inputs.front().primitives[k].orders;

@@ -180,7 +180,8 @@ OrderedOne order_one(const Model& model, std::uint32_t index, const OrderCommand
   one.ordered.primitive = index;
   PrimitiveOrderReport& report = one.report;
   report.statistics = result.statistics;
-  if (options.check_views > 0) {
+  // A simple mesh has nothing that could be wrong.
+  if (options.check_views > 0 && !result.statistics.simple) {
     const Stopwatch watch;
     validate_orders(mesh, result.orders, options.check_views, image_alpha(order), session, report);
     one.ordered.error = report.error;
@@ -257,7 +258,7 @@ OrderReport new_report(const OrderCommandOptions& options) {
 }
 
 void dry_run(const OrderCommandOptions& options, Session& session) {
-  const Model model = read_model(options.input);
+  const Model model = open_model(options.input, session);
   if (!options.in_batch) refuse_for_model(options, model);
   const Selection selection = select_primitives(model, options.selection);
   for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
@@ -325,11 +326,10 @@ FileOutcome order_file(OrderCommandOptions options, Session& session) {
   const Stopwatch total;
   OrderReport report = new_report(options);
   begin_stage(session.progress(), "reading", 0);
-  Model model = read_model(options.input);
+  Model model = open_model(options.input, session);
   stop_if_signalled();
   if (!options.in_batch) refuse_for_model(options, model);
   Selection selection = select_primitives(model, options.selection);
-  for (const std::string& note : model.notes) session.detail(model.path + ": " + note);
   const std::vector<MeshReport> checks = prepare_model(model, selection, options);
   for (const std::string& note : selection.notes) session.note(model.path + ": " + note);
   report.notes = selection.notes;
@@ -372,6 +372,7 @@ FileOutcome order_file(OrderCommandOptions options, Session& session) {
   begin_stage(session.progress(), "writing", 0);
   const Stopwatch writing;
   const WriteReport written = write_model(model, ordered, options.output, options.write);
+  for (const std::string& note : written.notes) session.note(note);
   if (checkpoints) checkpoints->finish();
   report.seconds_write = writing.seconds();
   report.disk_bytes = written.order_bytes;
@@ -412,6 +413,7 @@ void run_single(const OrderCommandOptions& options, Session& session) {
 void run_order(OrderCommandOptions options, Session& session) {
   settle_options(options);
   options.order.seed = session.options().seed;
+  options.clean.strict = session.options().strict;
 
   const auto options_of = [&](const BatchJob& job) {
     OrderCommandOptions own = options;

@@ -111,6 +111,7 @@ void refuse_ineffective(const OrderCommandOptions& o) {
        needs("--direction", writes || o.dry_run, no_output),
        needs("--encoding", writes || o.dry_run, no_output),
        needs("--split-buffer", writes || o.dry_run, no_output),
+       needs("--embed-textures", writes || o.dry_run, no_output),
        needs("--no-bake-base", writes || o.dry_run, no_output),
        needs("--check-views", writes || o.dry_run, no_output),
        needs("--skip-existing", writes, no_output),
@@ -259,7 +260,7 @@ void add_mesh_options(CLI::App& command, OrderCommandOptions& o) {
               {"duplicated", FacingChoice::duplicated}},
              "Order front faces only, or both (default auto: by the material's doubleSided)")
       ->group(group);
-  command.add_flag("--all", o.selection.all, "Order also primitives of a glTF that are not BLEND")
+  command.add_flag("--all", o.selection.all, "Order also primitives that are not BLEND")
       ->group(group);
   command.add_option("--material", o.selection.material, "Order only primitives with this material")
       ->type_name("NAME")
@@ -267,10 +268,6 @@ void add_mesh_options(CLI::App& command, OrderCommandOptions& o) {
   command.add_option("--simplify", o.simplify, "Simplify the model to N triangles first; not for glTF")
       ->type_name("N")
       ->check(CLI::Range(1U, 1U << 28U))
-      ->group(group);
-  command
-      .add_flag("--strict", o.clean.strict,
-                "Refuse degenerate and broken triangles instead of leaving them out")
       ->group(group);
   add_choice(command, "--duplicates", o.clean.duplicates,
              {{"keep", DuplicatePolicy::keep}, {"drop", DuplicatePolicy::drop}},
@@ -332,6 +329,10 @@ void add_output_options(CLI::App& command, OrderCommandOptions& o) {
       ->group(group);
   command
       .add_flag("--split-buffer", o.write.split_buffer, "Store orders in a file of their own, OUT.orders.bin")
+      ->group(group);
+  command
+      .add_flag("--embed-textures", o.write.embed_textures,
+                "Store textures of files beside the model in OUT; else a .gltf in another folder gets copies")
       ->group(group);
   command.add_flag("--no-bake-base", o.no_bake_base, "Leave the file's own index buffer as it is")
       ->group(group);

@@ -272,7 +272,8 @@ void check_options(const OverdrawCommandOptions& options) {
                         {needs("--acmr", refined, "--method paper takes cache misses from --lambda"),
                          needs("--acmr", options.orders.lambda < kNoCache,
                                "--lambda 3 draws triangles without regard to the cache"),
-                         needs("--encoding", writes, no_output), needs("--split-buffer", writes, no_output)});
+                         needs("--encoding", writes, no_output), needs("--split-buffer", writes, no_output),
+                         needs("--embed-textures", writes, no_output)});
 }
 
 void refuse_for_subject(const OverdrawCommandOptions& options, const PosedSubject& posed) {
@@ -290,7 +291,7 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
   options.orders.progress = session.progress();
   const Stopwatch total;
   begin_stage(session.progress(), "reading", 0);
-  Model model = read_model(options.input);
+  Model model = open_model(options.input, session);
   prepare(model, options.subject.sides);
   const PosedSubject posed = make_subject(model, options.subject);
   for (const std::string& note : posed.notes) session.note(model.path + ": " + note);
@@ -328,6 +329,7 @@ void run_overdraw(OverdrawCommandOptions options, Session& session) {
     for (const OrderedPrimitive& entry : ordered)
       report.memory_bytes += index_bytes(entry.orders, model.primitives[entry.primitive].mesh);
     const WriteReport written = write_model(model, ordered, options.output, options.write);
+    for (const std::string& note : written.notes) session.note(note);
     report.seconds_write = writing.seconds();
     report.disk_bytes = written.order_bytes;
     report.file_bytes = written.file_bytes;
@@ -463,6 +465,10 @@ void add_output_group(CLI::App& command, OverdrawCommandOptions& o) {
       ->group(group);
   command
       .add_flag("--split-buffer", o.write.split_buffer, "Store orders in a file of their own, OUT.orders.bin")
+      ->group(group);
+  command
+      .add_flag("--embed-textures", o.write.embed_textures,
+                "Store textures of files beside the model in OUT; else a .gltf in another folder gets copies")
       ->group(group);
   command.add_option("--report", o.report, "Write an HTML page with table, chart and heat maps")
       ->type_name("FILE.html")

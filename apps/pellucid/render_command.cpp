@@ -128,7 +128,7 @@ void run_render(const RenderCommand& options, Session& session) {
   const Stopwatch watch;
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);
-  const Scene scene = make_scene(read_model(options.input));
+  const Scene scene = make_scene(open_model(options.input, session));
   if (options.order == OrderImage::buffers || options.order == OrderImage::error) {
     require_orders(scene, options.input);
   }

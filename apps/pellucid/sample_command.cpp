@@ -70,7 +70,7 @@ void add_sample_command(CLI::App& app, Chosen& chosen) {
                                     } else {
                                       write_sample(session, *options);
                                     }
-                                  });
+                                  }, Reads::nothing);
   options->command = command;
   command->add_option("NAME", options->name, "Name of the sample (see --list)")->type_name("");
   command->add_option("-o,--output", options->output, "The file to write: .glb or .gltf")

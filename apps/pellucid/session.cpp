@@ -238,6 +238,10 @@ void Session::detail(const std::string& line) const {
   std::fprintf(stderr, "pellucid: %s\n", line.c_str());
 }
 
+bool Session::is_first_mention(const std::string& path) const {
+  return mentioned_.insert(path).second;
+}
+
 void Session::check_json() const {
   if (!options_.json.empty() && options_.json != "-") check_writable(options_.json);
 }
@@ -292,8 +296,29 @@ const char* const kOutOfMemory =
     "out of memory: try a smaller mesh (--simplify), fewer view cells (--partition S1,2) or a smaller image "
     "(--size)";
 
+void check_extensions(const Model& model, const Session& session) {
+  if (model.unknown_required.empty()) return;
+  std::string names;
+  for (const std::string& name : model.unknown_required) names += (names.empty() ? "" : ", ") + name;
+  const std::string reason = model.path + ": it requires " + names + ", which pellucid does not understand";
+  if (session.options().strict) throw Error(ErrorKind::bad_input, reason + " (--strict)");
+  session.note(reason + "; it is read as if that were not there");
+}
+
+Model open_model(const std::string& path, const Session& session) {
+  Model model = read_model(path);
+  // A command may read a file twice.
+  if (!session.is_first_mention(path)) return model;
+  check_extensions(model, session);
+  for (const std::string& note : model.notes) {
+    // The notes on a glTF say what is kept in the file that is written.
+    is_gltf(model) ? session.detail(path + ": " + note) : session.note(path + ": " + note);
+  }
+  return model;
+}
+
 CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& description,
-                      const std::string& examples, std::uint64_t default_seed, Work work) {
+                      const std::string& examples, std::uint64_t default_seed, Work work, Reads reads) {
   CLI::App* command = app.add_subcommand(name, description);
   auto options = std::make_shared<CommonOptions>();
   options->seed = default_seed;
@@ -312,6 +337,12 @@ CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, co
       ->type_name("N")
       ->capture_default_str()
       ->group(kCommonGroup);
+  if (reads == Reads::models) {
+    command
+        ->add_flag("--strict", options->strict,
+                   "Refuse files that are understood only in part, and broken triangles, instead of a note")
+        ->group(kCommonGroup);
+  }
   command->add_flag("-q,--quiet", options->quiet, "Print errors only")->group(kCommonGroup);
   command->add_flag("-v,--verbose", options->verbose, "Print more details to stderr")->group(kCommonGroup);
   command->footer("Examples:\n" + examples);

@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 
+#include "pellucid/asset.h"
 #include "pellucid/base.h"
 
 namespace pellucid::cli {
@@ -20,6 +22,7 @@ struct CommonOptions {
   std::uint64_t seed = 1;
   bool quiet = false;
   bool verbose = false;
+  bool strict = false;  // refuse files that are understood only in part
 };
 
 // One run of one subcommand.
@@ -47,6 +50,8 @@ class Session {
   void complain(const std::string& message) const;
   // Prints one line to stderr, only with --verbose.
   void detail(const std::string& line) const;
+  // Returns true the first time that it is called with this path.
+  [[nodiscard]] bool is_first_mention(const std::string& path) const;
   // Throws as check_writable() does if the file of --json cannot be written.
   void check_json() const;
   // Writes the JSON to the place that --json names, if it was given.
@@ -55,6 +60,7 @@ class Session {
  private:
   CommonOptions options_;
   std::unique_ptr<TerminalProgress> progress_;
+  mutable std::set<std::string> mentioned_;
 };
 
 // Throws Error{cannot_write} if the folder does not exist, the path is a folder, or writing is not permitted.
@@ -88,9 +94,19 @@ struct Chosen {
 // The last group of every --help.
 constexpr const char* kCommonGroup = "Common";
 
+// What a subcommand begins with. Commands that read models have the option --strict.
+enum class Reads { models, nothing };
 // Adds the subcommand `name` with the common options. `examples` are command lines, shown below the help.
 CLI::App* add_command(CLI::App& app, Chosen& chosen, const std::string& name, const std::string& description,
-                      const std::string& examples, std::uint64_t default_seed, Work work);
+                      const std::string& examples, std::uint64_t default_seed, Work work,
+                      Reads reads = Reads::models);
+
+// Says which extensions a file requires that are not understood, or refuses them as open_model() does.
+void check_extensions(const Model& model, const Session& session);
+
+// Reads a model, and says once what of the file is left out or not understood. With --strict, throws
+// Error{bad_input} for a file that requires an extension which is not understood.
+Model open_model(const std::string& path, const Session& session);
 
 void add_order_command(CLI::App& app, Chosen& chosen);
 void add_overdraw_command(CLI::App& app, Chosen& chosen);

@@ -102,7 +102,7 @@ void add_techniques_command(CLI::App& app, Chosen& chosen) {
   CLI::App* command = add_command(app, chosen, "techniques", "List every technique that render knows",
                                   "  pellucid techniques\n"
                                   "  pellucid techniques --json -",
-                                  1, [options](Session& session) { list_techniques(*options, session); });
+                                  1, [options](Session& session) { list_techniques(*options, session); }, Reads::nothing);
   command->add_option("--device", options->device, "Vulkan device, by a part of its name")
       ->type_name("NAME")
       ->group(kTechniqueGroup);

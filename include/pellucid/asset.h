@@ -67,11 +67,13 @@ struct Primitive {
   std::optional<OrderErrorRecord> order_error;
 };
 
-// A node that draws a primitive.
+// A node that draws a primitive, or one instance of a node with EXT_mesh_gpu_instancing.
 struct Instance {
   std::string node_name;
   std::uint32_t primitive = 0;  // index into Model::primitives
-  Mat4 world;                   // local to world
+  Mat4 world;                   // local to world, at rest
+  std::uint32_t node = 0;       // glTF: index of the node
+  Mat4 in_node{};               // local to the node: identity without instancing
 };
 
 struct GltfDocument;  // the original JSON and buffers, opaque
@@ -84,6 +86,9 @@ struct Model {
   std::vector<std::string> animation_names;
   // What a user should know: "1 animation", "KHR_texture_transform kept, not read".
   std::vector<std::string> notes;
+  // Names of extensions that the file requires and that pellucid does not understand. What is read may look
+  // different in programs that do.
+  std::vector<std::string> unknown_required;
   std::shared_ptr<const GltfDocument> document;  // null for other formats
 };
 
@@ -124,11 +129,15 @@ struct WriteOptions {
   // Stores the orders in OUT.orders.bin, which viewers that do not know orders never fetch.
   bool split_buffer = false;
   bool bake_base = true;  // primitive.indices becomes the best single order
+  // Textures in files beside a glTF: written into another folder, a .glb holds them, and a .gltf gets copies
+  // beside it. With `embed_textures` the file holds them in any case.
+  bool embed_textures = false;
 };
 struct WriteReport {
   std::uint64_t file_bytes = 0;   // all files written
   std::uint64_t order_bytes = 0;  // those of the orders and their table as stored, without a fallback copy
   std::vector<std::string> files;
+  std::vector<std::string> notes;  // textures that are missing, and files of an earlier run that are not used now
 };
 // Writes `model` with the given orders as .glb or .gltf, by the extension of `path`. Models of other formats
 // get a minimal document of their own. The file holds exactly the given orders. Orders that came with `model`

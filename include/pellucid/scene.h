@@ -33,6 +33,7 @@ struct ModelPart {
   std::uint32_t instance = 0;   // index into Model::instances; 0 if the model has none
   std::uint32_t first_triangle = 0, first_vertex = 0;
   bool double_sided = false;
+  bool skinned = false;  // follows joints; the transform of its node has no effect
 };
 
 // An animation that moves something drawn.
@@ -57,9 +58,11 @@ class PosableModel {
  public:
   // `subdivisions` is the number of Loop subdivision levels, 0 .. kMostSubdivisions (pellucid/subdivide.h).
   // Each part is welded by itself, where positions, joints and morph targets agree, and is refined in the
-  // space of the file. The joint weights of new vertices follow from the subdivision rule. Throws as
-  // read_rig() does, and Error{bad_argument} if the parts have more than 2^28 triangles or vertices.
-  explicit PosableModel(const Model& model, std::uint32_t subdivisions = 0);
+  // space of the file. The joint weights of new vertices follow from the subdivision rule. Positions are
+  // relative to `origin` if there is one, and have float32's precision around it. Throws as read_rig() does,
+  // and Error{bad_argument} if the parts have more than 2^28 triangles or vertices.
+  explicit PosableModel(const Model& model, std::uint32_t subdivisions = 0,
+                        const std::optional<Vec3d>& origin = {});
 
   // Returns the triangles of all parts in the order of the file, as indices into the positions. Without
   // subdivision degenerate triangles are kept. With subdivision, triangles with two corners at one place are
@@ -72,6 +75,9 @@ class PosableModel {
   [[nodiscard]] const std::vector<AnimationClip>& clips() const;
 
   [[nodiscard]] std::vector<Vec3f> rest_pose() const;
+  // Returns where the node of the first part is at rest, or the first joint that it follows; zero without
+  // parts.
+  [[nodiscard]] Vec3d anchor() const;
   // Writes the vertices at `time` (seconds) of the clip to `positions`, whose memory is reused. Times outside
   // the key times of a channel are clamped. `clip` is an index into clips(); throws Error{bad_argument} for
   // others. Positions that are not finite in the file are not finite here either, and with subdivision the
@@ -103,19 +109,29 @@ struct SceneObject {
   std::uint32_t first_vertex = 0;
   std::uint32_t instance = 0;  // index into Model::instances
   bool mirrored = false;       // its triangles were turned, because its world matrix mirrors
-  Mat4 local_from_world;
-  Vec3d center;  // of its bounding sphere, in world space
+  // False for an instance that its matrix makes flat: it has no view of its own, and is drawn as stored.
+  bool has_inverse = true;
+  Mat4 local_from_world;  // `world` as in Scene::mesh; identity without an inverse
+  Vec3d center;           // of its bounding sphere, in the space of Scene::mesh
 };
 
 struct Scene {
   std::vector<CleanPrimitive> primitives;
   std::vector<bool> culled;  // one per primitive: back faces are not drawn
   std::vector<SceneObject> objects;
-  Mesh mesh;              // all objects in world space; triangles of mirrored objects are turned
+  // All objects in world space, relative to `origin`; triangles of mirrored objects are turned. Cameras are
+  // relative to the origin as well.
+  Mesh mesh;
   BoundingSphere sphere;  // of `mesh`
+  Vec3d origin;           // world space, of scene_origin()
 };
-// Places all instances of the model at rest. Throws Error{nothing_to_do} if no triangle is drawn, and
-// Error{bad_input} for a world matrix without inverse. Takes O(vertices + triangles).
+// Returns a point of the world near the first thing that the model draws. It moves exactly with the model, so
+// that a model far from the world's origin gives the same Scene::mesh as one near it.
+Vec3d scene_origin(const Model& model);
+// Places all instances of the model at rest: by the transforms of their nodes, or by their skins and morph
+// weights. Skips instances that their matrix makes smaller than a plane. Throws Error{nothing_to_do} if no
+// triangle is drawn, and Error{bad_input} for a world matrix that is not finite. Takes O(vertices +
+// triangles).
 Scene make_scene(const Model& model);
 
 // How triangles within an object are ordered.
@@ -139,10 +155,10 @@ FragmentBuffer scene_fragments(const Scene& scene, const Camera& camera);
 std::optional<std::uint32_t> pose_scene(const Model& model, const std::string& animation, double time,
                                         Scene& scene);
 
-// Returns a camera of the model by its name or number, with near and far planes fitted to the sphere. Throws
+// Returns a camera of the model by its name or number, with near and far planes fitted to the scene. Throws
 // Error{bad_argument} for a camera that does not exist, and Error{bad_input} for one without a direction.
-Camera file_camera(const Model& model, const std::string& name, const BoundingSphere& sphere,
-                   std::uint32_t width, std::uint32_t height);
+Camera file_camera(const Model& model, const std::string& name, const Scene& scene, std::uint32_t width,
+                   std::uint32_t height);
 
 // --------------------------------------------------------------------------------- what a renderer draws
 
@@ -168,7 +184,8 @@ struct Surface {
   float cutoff = 0;  // where vertex colours and texture leave less opacity than this, nothing is drawn
 };
 
-// Triangles in world space with their surfaces. This is all that a renderer needs besides a camera.
+// Triangles in world space with their surfaces. The world may have any origin near the triangles, since
+// positions are float32 (Scene::origin). This is all that a renderer needs besides a camera.
 struct RenderScene {
   std::vector<Vec3f> positions;  // world space
   std::vector<Vec3f> normals;    // one per position; zero: the normal of the face is used

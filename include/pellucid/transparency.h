@@ -121,6 +121,9 @@ struct StageSeconds {
 
 // What order_mesh() found. Weights are those of edges (see the terms above).
 struct OrderStatistics {
+  // The mesh is flat or its faces lie on its hull, so one order is right from everywhere and nothing was
+  // searched or measured.
+  bool simple = false;
   std::uint64_t triangles = 0;
   std::uint64_t viewpoints = 0;           // samples x distances
   std::uint64_t edges_per_viewpoint = 0;  // mean

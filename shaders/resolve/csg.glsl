@@ -3,6 +3,12 @@
 // coplanar faces neither vanish nor appear twice. word has one bit per object (inside), the depth of the open
 // group (bits), the colour of the group with the value before it in bit 24, and the surface that was found
 // (0: none).
+// Faces that lie in one plane but are cut into different triangles get depths that differ by rounding, so depths
+// count as one within kSkin steps of float32 (about 2e-6 of the depth range).
+const uint kSkin = 32u;
+bool csg_is_same_depth(uint a, uint b) {
+  return a != kNone && b != kNone && max(a, b) - min(a, b) <= kSkin;
+}
 State csg_init() { return State(vec4(0.0), uvec4(0u, kNone, 0u, 0u)); }
 
 bool csg_value(uint inside) {
@@ -20,7 +26,7 @@ void csg_close(inout State s, bool nearest_last) {
 
 void csg_fold(inout State s, Fragment f, bool nearest_last) {
   const uint depth = floatBitsToUint(f.z);
-  if (depth != s.word.y) {
+  if (!csg_is_same_depth(depth, s.word.y)) {
     csg_close(s, nearest_last);
     s.word.y = depth;
     s.word.z = (f.color & 0x00FFFFFFu) | (csg_value(s.word.x) ? 0x01000000u : 0u);
@@ -35,7 +41,7 @@ void csg_step_back(inout State s, Fragment f) { csg_fold(s, f, true); }
 
 // If both ends have a part of the same group, it is crossed as one. It is the last group of either end.
 void csg_merge(inout State s, State behind) {
-  if (s.word.y == behind.word.y && s.word.y != kNone) {
+  if (csg_is_same_depth(s.word.y, behind.word.y)) {
     s.word.x ^= behind.word.x;  // the value behind the group, seen from the front, is the value before it from behind
     const bool was = (s.word.z & 0x01000000u) != 0u;
     const bool is = (behind.word.z & 0x01000000u) != 0u;

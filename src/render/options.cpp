@@ -63,6 +63,10 @@ void check_effect(Effect effect, std::size_t objects) {
                           render_effects()[static_cast<std::size_t>(effect)].name, most, objects));
 }
 
+bool cuts_solids(Effect effect) {
+  return effect == Effect::csg || effect == Effect::self_collision || effect == Effect::thickness;
+}
+
 bool blends(Effect effect) {
   return effect == Effect::transparency || effect == Effect::wireframe;
 }

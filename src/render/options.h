@@ -13,6 +13,8 @@ void check_effect(Effect effect, std::size_t objects);
 
 // Returns whether the effect blends colours in depth order, so that nothing behind an opaque surface matters.
 bool blends(Effect effect);
+// Returns whether the effect asks where rays enter and leave solids. It sees both sides of all faces.
+bool cuts_solids(Effect effect);
 
 // Throws Error{bad_argument} for parameters that are not numbers or out of range, and for an importance image
 // whose bytes do not match its size.

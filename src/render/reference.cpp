@@ -2,6 +2,7 @@
 // clarity, and differs on purpose from the shaders, which see one fragment at a time.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -20,10 +21,13 @@ struct Group {
   std::size_t first, last;
 };
 
-std::vector<Group> groups_of(std::span<const Fragment> fragments) {
+// Returns the fragments in groups of one depth. `skin` is the number of steps of float32 by which depths may
+// differ from that of the first of a group.
+std::vector<Group> groups_of(std::span<const Fragment> fragments, std::uint32_t skin = 0) {
   std::vector<Group> groups;
+  const auto bits = [&](std::size_t i) { return std::bit_cast<std::uint32_t>(fragments[i].depth); };
   for (std::size_t i = 0; i < fragments.size(); ++i) {
-    if (i == 0 || fragments[i].depth != fragments[i - 1].depth) groups.push_back({i, i});
+    if (i == 0 || bits(i) - bits(groups.back().first) > skin) groups.push_back({i, i});
     groups.back().last = i + 1;
   }
   return groups;
@@ -96,7 +100,7 @@ void Reference::drop_undrawn(FragmentBuffer& fragments) const {
     for (const Fragment& f : fragments.pixel(p)) {
       const bool back = (f.node & 1U) != 0;
       const Surface& surface = scene_.surfaces[scene_.objects[f.node / 2]];
-      if (back && !surface.double_sided) continue;
+      if (back && !surface.double_sided && !render::cuts_solids(options_.effect)) continue;
       if (surface.cutoff == 0 || sampler_.look_at(p, f.node)) kept.fragments.push_back(f);
     }
     kept.offsets.push_back(kept.fragments.size());
@@ -275,7 +279,8 @@ Vec3d Reference::pixel(std::uint64_t p, std::span<const Fragment> fragments) {
       draw_edges(p, shaded_);
       return blended(p, shaded_);
     case Effect::csg:
-      return csg(fragments, groups, shaded_);
+      // As in shaders/resolve/csg.glsl: faces in one plane that are cut into different triangles are one.
+      return csg(fragments, groups_of(fragments, 32), shaded_);
     case Effect::self_collision:
       return self_collision(fragments, groups, shaded_);
     case Effect::coplanarity:

@@ -190,6 +190,7 @@ void Renderer::Implementation::draw_opaque(const Job& job, const render::Frame& 
     scene->draw_only(false);
   } else {
     scene->draw_all();
+    if (render::cuts_solids(static_cast<Effect>(job.effect))) scene->draw_both_sides();
   }
   pipelines.use_features(scene->features() | (needed ? render::behind_opaque : 0U));
 }

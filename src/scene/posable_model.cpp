@@ -160,7 +160,7 @@ PosedShape make_shape(const Mesh& mesh, RigPrimitive deformation, std::uint32_t 
 struct PartMotion {
   std::uint32_t shape = 0;
   std::optional<std::uint32_t> node;  // none: the instance stays where it is
-  Affine fixed_world;
+  Affine fixed_world, in_node;
   std::optional<std::uint32_t> skin;  // for a part with joints
 };
 
@@ -181,13 +181,21 @@ struct PosableData {
   ClipMotion rest;
   Rig rig;  // its primitives have been moved into `shapes`
   std::optional<Skeleton> skeleton;
+  std::optional<Vec3d> origin;
 
   // Writes the positions of all vertices at `time` (seconds) of the clip.
   void pose(const ClipMotion& clip, double time, std::vector<Vec3f>& positions) const;
   // Returns whether a part is mirrored if the nodes have these world matrices.
   [[nodiscard]] bool is_mirrored(const PartMotion& part, const std::vector<Affine>& worlds) const;
+  // See PosableModel::anchor().
+  [[nodiscard]] Vec3d anchor() const;
 
  private:
+  // Returns the matrix that places a part without a skin.
+  [[nodiscard]] Affine world_of(const PartMotion& part, const std::vector<Affine>& worlds) const;
+  // Makes a matrix lead to positions that are relative to the origin. The difference is rounded to float32, so
+  // that it does not depend on how far from the world's origin both are.
+  void make_relative(Affine& matrix) const;
   // Returns the matrices of the joints of the skin that the part follows.
   [[nodiscard]] std::vector<Affine> palette_of(const PartMotion& part,
                                                const std::vector<Affine>& worlds) const;
@@ -218,8 +226,26 @@ std::vector<Affine> PosableData::palette_of(const PartMotion& part, const std::v
   return palette;
 }
 
+Affine PosableData::world_of(const PartMotion& part, const std::vector<Affine>& worlds) const {
+  return part.node ? worlds[skeleton->slot_of(*part.node)] * part.in_node : part.fixed_world;
+}
+
+void PosableData::make_relative(Affine& matrix) const {
+  if (origin) matrix.origin = to_double(to_float(matrix.origin - *origin));
+}
+
+Vec3d PosableData::anchor() const {
+  if (part_motions.empty()) return {};
+  const PartMotion& part = part_motions.front();
+  const std::vector<Affine> worlds = skeleton->worlds_at(rest.nodes, rig.curves, 0);
+  if (!part.skin) return world_of(part, worlds).origin;
+  const std::vector<std::uint16_t>& joints = shapes[part.shape].joints;
+  if (joints.empty()) return {};
+  return worlds[skeleton->slot_of(rig.skins[*part.skin].joints[joints.front()])].origin;
+}
+
 bool PosableData::is_mirrored(const PartMotion& part, const std::vector<Affine>& worlds) const {
-  if (!part.skin) return (part.node ? worlds[skeleton->slot_of(*part.node)] : part.fixed_world).mirrors();
+  if (!part.skin) return world_of(part, worlds).mirrors();
   // The majority of the vertices decides, each by its heaviest joint.
   const std::vector<Affine> palette = palette_of(part, worlds);
   const std::vector<VertexJoints>& voters = shapes[part.shape].deformation.joints;
@@ -257,13 +283,16 @@ void PosableData::pose(const ClipMotion& clip, double time, std::vector<Vec3f>& 
     const std::span<const Vec3f> source = morphed(part, weights_curve, time, storage);
     const std::span<Vec3f> target = std::span(positions).subspan(parts[p].first_vertex, source.size());
     if (part.skin) {
-      const std::vector<Affine> palette = palette_of(part, worlds);
+      std::vector<Affine> palette = palette_of(part, worlds);
+      // Weights have the sum 1, so all joints may be moved by the same vector.
+      for (Affine& joint : palette) make_relative(joint);
       const std::vector<VertexJoints>& joints = shapes[part.shape].deformation.joints;
       for (std::size_t v = 0; v < source.size(); ++v) {
         target[v] = to_float(skinned(to_double(source[v]), joints[v], palette));
       }
     } else {
-      const Affine world = part.node ? worlds[skeleton->slot_of(*part.node)] : part.fixed_world;
+      Affine world = world_of(part, worlds);
+      make_relative(world);
       for (std::size_t v = 0; v < source.size(); ++v) {
         target[v] = to_float(world.point(to_double(source[v])));
       }
@@ -323,8 +352,10 @@ std::vector<double> merged_times(std::vector<double> times) {
 
 class PosableBuilder {
  public:
-  PosableBuilder(const Model& model, std::uint32_t subdivisions)
-      : model_(model), subdivisions_(subdivisions) {}
+  PosableBuilder(const Model& model, std::uint32_t subdivisions, const std::optional<Vec3d>& origin)
+      : model_(model), subdivisions_(subdivisions) {
+    data_.origin = origin;
+  }
 
   PosableData build() {
     const std::vector<Drawn> drawn = drawn_primitives(model_);
@@ -347,6 +378,7 @@ class PosableBuilder {
     motion.shape = find_shape(drawn.primitive);
     if (drawn.instance) {
       motion.fixed_world = to_affine(model_.instances[*drawn.instance].world);
+      motion.in_node = to_affine(model_.instances[*drawn.instance].in_node);
       if (!data_.rig.instance_nodes.empty()) motion.node = data_.rig.instance_nodes[*drawn.instance];
     }
     // A skin has no effect on vertices without joints. Then the transform of the node applies.
@@ -362,6 +394,7 @@ class PosableBuilder {
     part.primitive = drawn.primitive;
     part.instance = drawn.instance.value_or(0);
     part.double_sided = primitive.double_sided;
+    part.skinned = motion.skin.has_value();
     data_.parts.push_back(std::move(part));
   }
 
@@ -463,8 +496,8 @@ std::vector<double> times_at_rate(const AnimationClip& clip, double rate) {
   return times;
 }
 
-PosableModel::PosableModel(const Model& model, std::uint32_t subdivisions)
-    : data_(std::make_shared<const PosableData>(PosableBuilder(model, subdivisions).build())) {}
+PosableModel::PosableModel(const Model& model, std::uint32_t subdivisions, const std::optional<Vec3d>& origin)
+    : data_(std::make_shared<const PosableData>(PosableBuilder(model, subdivisions, origin).build())) {}
 
 const std::vector<Triangle>& PosableModel::triangles() const {
   return data_->triangles;
@@ -482,6 +515,10 @@ std::vector<Vec3f> PosableModel::rest_pose() const {
   std::vector<Vec3f> positions;
   data_->pose(data_->rest, 0, positions);
   return positions;
+}
+
+Vec3d PosableModel::anchor() const {
+  return data_->anchor();
 }
 
 void PosableModel::pose(std::uint32_t clip, double time, std::vector<Vec3f>& positions) const {

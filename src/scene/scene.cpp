@@ -29,58 +29,81 @@ Vec3d transformed_direction(const Mat4& a, const Vec3d& d) {
   return transformed_point(a, d) - Vec3d{a.m[12], a.m[13], a.m[14]};
 }
 
-double determinant(const Mat4& a) {
-  return dot(Vec3d{a.m[0], a.m[1], a.m[2]},
-             cross(Vec3d{a.m[4], a.m[5], a.m[6]}, Vec3d{a.m[8], a.m[9], a.m[10]}));
+Vec3d column(const Mat4& a, std::size_t i) {
+  return {a.m[4 * i], a.m[4 * i + 1], a.m[4 * i + 2]};
 }
 
-// Returns the inverse of an affine matrix with determinant `d`.
-Mat4 inverse(const Mat4& a, double d) {
-  const Vec3d x{a.m[0], a.m[1], a.m[2]};
-  const Vec3d y{a.m[4], a.m[5], a.m[6]};
-  const Vec3d z{a.m[8], a.m[9], a.m[10]};
-  const Vec3d t{a.m[12], a.m[13], a.m[14]};
-  const Vec3d row0 = cross(y, z) / d;
-  const Vec3d row1 = cross(z, x) / d;
-  const Vec3d row2 = cross(x, y) / d;
+// The cofactors of the upper left 3 x 3 part: row i is the cross product of the other two columns. They turn
+// normals also where a matrix is flat and has no inverse.
+struct Cofactors {
+  Vec3d row0, row1, row2;
+  double determinant = 0;
+};
+Cofactors cofactors(const Mat4& a) {
+  const Vec3d x = column(a, 0);
+  const Vec3d y = column(a, 1);
+  const Vec3d z = column(a, 2);
+  return {cross(y, z), cross(z, x), cross(x, y), dot(x, cross(y, z))};
+}
+
+// Returns the inverse of an affine matrix.
+Mat4 inverse(const Mat4& a, const Cofactors& c) {
+  const Vec3d t = column(a, 3);
+  const Vec3d row0 = c.row0 / c.determinant;
+  const Vec3d row1 = c.row1 / c.determinant;
+  const Vec3d row2 = c.row2 / c.determinant;
   Mat4 b;
   b.m = {row0.x, row1.x, row2.x, 0, row0.y,        row1.y,        row2.y,        0,
          row0.z, row1.z, row2.z, 0, -dot(row0, t), -dot(row1, t), -dot(row2, t), 1};
   return b;
 }
 
-void append_object(const Model& model, std::uint32_t number, Scene& scene) {
+bool is_finite(const Mat4& a) {
+  return std::all_of(a.m.begin(), a.m.end(), [](double number) { return std::isfinite(number); });
+}
+
+// Moves the target of a matrix to an origin. The difference is rounded to float32, so that it does not depend
+// on how far from the world's origin both are.
+Mat4 relative_to(const Vec3d& origin, Mat4 world) {
+  const Vec3d offset = to_double(to_float(column(world, 3) - origin));
+  world.m[12] = offset.x;
+  world.m[13] = offset.y;
+  world.m[14] = offset.z;
+  return world;
+}
+
+// Appends an instance. `by_joints`: its place comes from pose_scene(), and its matrix has no effect.
+void append_object(const Model& model, std::uint32_t number, bool by_joints, Scene& scene) {
   const Instance& instance = model.instances[number];
   const std::uint32_t primitive = instance.primitive;
-  const Mat4& world = instance.world;
   const Mesh& local = scene.primitives[primitive].mesh;
   if (local.triangles.empty()) return;
-  const double d = determinant(world);
-  if (!std::isnormal(d)) {
-    throw Error(
-        ErrorKind::bad_input,
-        fmt::format("node '{}': its world matrix has no inverse, it cannot be drawn", instance.node_name));
+  if (!by_joints && !is_finite(instance.world)) {
+    throw Error(ErrorKind::bad_input, fmt::format("{}: node '{}': its world matrix is not finite", model.path,
+                                                  instance.node_name));
   }
+  const Mat4 world = by_joints ? Mat4{} : relative_to(scene.origin, instance.world);
+  const Cofactors c = cofactors(world);
+  const bool has_inverse = std::isnormal(c.determinant);
+  const double area = std::max({length(c.row0), length(c.row1), length(c.row2)});
+  if (!has_inverse && !std::isnormal(area)) return;
   const auto first_vertex = static_cast<std::uint32_t>(scene.mesh.positions.size());
-  const Mat4 local_from_world = inverse(world, d);
+  const bool mirrored = c.determinant < 0;
   scene.objects.push_back({primitive, static_cast<std::uint32_t>(scene.mesh.triangles.size()), first_vertex,
-                           number, d < 0, local_from_world,
+                           number, mirrored, has_inverse, has_inverse ? inverse(world, c) : Mat4{},
                            transformed_point(world, bounding_sphere(local).center)});
   for (const Vec3f& p : local.positions) {
     scene.mesh.positions.push_back(to_float(transformed_point(world, to_double(p))));
   }
   const std::vector<Vec3f> normals = local.normals.empty() ? vertex_normals(local) : local.normals;
+  const double side = mirrored ? -1 : 1;
   for (const Vec3f& n : normals) {
-    // Normals are transformed by the transposed inverse.
-    const auto& m = local_from_world.m;
-    const Vec3d v = to_double(n);
-    scene.mesh.normals.push_back(
-        to_float(normalized(Vec3d{m[0] * v.x + m[1] * v.y + m[2] * v.z, m[4] * v.x + m[5] * v.y + m[6] * v.z,
-                                  m[8] * v.x + m[9] * v.y + m[10] * v.z})));
+    const Vec3d v = to_double(n) * side;
+    scene.mesh.normals.push_back(to_float(normalized(c.row0 * v.x + c.row1 * v.y + c.row2 * v.z)));
   }
   for (const Triangle& t : local.triangles) {
     // A mirrored node shows the same faces as fronts (glTF 2.0, section 3.7.4), so its triangles are turned.
-    const Triangle turned = d < 0 ? Triangle{t[0], t[2], t[1]} : t;
+    const Triangle turned = mirrored ? Triangle{t[0], t[2], t[1]} : t;
     scene.mesh.triangles.push_back(
         {turned[0] + first_vertex, turned[1] + first_vertex, turned[2] + first_vertex});
   }
@@ -98,7 +121,8 @@ Viewpoint local_viewpoint(const SceneObject& object, const BoundingSphere& spher
 std::vector<std::uint32_t> object_ranks(const CleanPrimitive& primitive, const SceneObject& object,
                                         SceneOrder order, const Camera& camera) {
   const Mesh& mesh = primitive.mesh;
-  if (order != SceneOrder::buffers || !primitive.orders) return ranks_as_stored(mesh.triangles.size());
+  if (order != SceneOrder::buffers || !primitive.orders || !object.has_inverse)
+    return ranks_as_stored(mesh.triangles.size());
   return ranks_from(mesh, *primitive.orders, local_viewpoint(object, primitive.orders->sphere, camera));
 }
 
@@ -113,6 +137,87 @@ std::vector<std::uint32_t> objects_front_to_back(const Scene& scene, const Camer
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return depths[a] < depths[b]; });
   return order;
+}
+
+// Returns for every vertex the first one at the same point of a smooth surface, which has the same position
+// and normal.
+std::vector<std::uint32_t> smooth_points(const Mesh& mesh) {
+  std::vector<std::uint32_t> points(mesh.positions.size());
+  std::map<std::array<float, 6>, std::uint32_t> first;
+  for (std::uint32_t v = 0; v < points.size(); ++v) {
+    points[v] = v;
+    if (mesh.normals.empty()) continue;
+    const Vec3f& p = mesh.positions[v];
+    const Vec3f& n = mesh.normals[v];
+    points[v] = first.try_emplace({p.x, p.y, p.z, n.x, n.y, n.z}, v).first->second;
+  }
+  return points;
+}
+
+// Returns the posed part as a mesh of its own.
+Mesh posed_part(const Scene& scene, const SceneObject& object, const Mesh& local,
+                std::span<const Vec3f> positions) {
+  Mesh mesh;
+  mesh.positions.assign(
+      positions.begin() + object.first_vertex,
+      positions.begin() + object.first_vertex + static_cast<std::ptrdiff_t>(local.positions.size()));
+  for (std::size_t t = 0; t < local.triangles.size(); ++t) {
+    Triangle triangle = scene.mesh.triangles[object.first_triangle + t];
+    for (std::uint32_t& vertex : triangle) vertex -= object.first_vertex;
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
+}
+
+// Computes normals of the posed triangles, smooth where those of the file are.
+void set_normals(const Mesh& local, Mesh posed, std::span<Vec3f> normals) {
+  const std::vector<std::uint32_t> points = smooth_points(local);
+  for (Triangle& triangle : posed.triangles) {
+    for (std::uint32_t& vertex : triangle) vertex = points[vertex];
+  }
+  const std::vector<Vec3f> smooth = vertex_normals(posed);
+  for (std::size_t v = 0; v < points.size(); ++v) normals[v] = smooth[points[v]];
+}
+
+// Turns the triangles of an object if its joints mirror it and its node does not, or the other way round.
+void turn_as(const Triangle& drawn, const Triangle& in_file, const SceneObject& object, std::size_t count,
+             Scene& scene) {
+  const bool turned = drawn[1] - drawn[0] != in_file[1] - in_file[0];
+  if (turned == object.mirrored) return;
+  for (std::size_t t = 0; t < count; ++t) {
+    Triangle& triangle = scene.mesh.triangles[object.first_triangle + t];
+    std::swap(triangle[1], triangle[2]);
+  }
+}
+
+bool deforms(const Model& model) {
+  return std::any_of(model.instances.begin(), model.instances.end(), [&](const Instance& instance) {
+    const Primitive& primitive = model.primitives[instance.primitive];
+    return primitive.triangles && primitive.deforms;
+  });
+}
+
+// Which objects a pose moves: those that follow joints or morph weights, or all.
+enum class Moved { deformed, all };
+
+// Gives objects the positions of a pose of all parts, and normals that belong to them.
+void place_deformed(const Model& model, const PosableModel& posable, const std::vector<Vec3f>& positions,
+                    Moved moved, Scene& scene) {
+  const std::vector<ModelPart>& parts = posable.parts();
+  std::size_t next = 0;
+  for (const SceneObject& object : scene.objects) {
+    while (parts[next].instance != object.instance) ++next;
+    const ModelPart& part = parts[next];
+    if (moved == Moved::deformed && !model.primitives[object.primitive].deforms) continue;
+    const CleanPrimitive& primitive = scene.primitives[object.primitive];
+    const auto count = static_cast<std::ptrdiff_t>(primitive.mesh.positions.size());
+    const auto target = scene.mesh.positions.begin() + object.first_vertex;
+    std::copy_n(positions.begin() + part.first_vertex, count, target);
+    turn_as(posable.triangles()[part.first_triangle], model.primitives[object.primitive].mesh.triangles[0],
+            object, primitive.mesh.triangles.size(), scene);
+    set_normals(primitive.mesh, posed_part(scene, object, primitive.mesh, scene.mesh.positions),
+                std::span(scene.mesh.normals).subspan(object.first_vertex, static_cast<std::size_t>(count)));
+  }
 }
 
 }  // namespace
@@ -132,19 +237,42 @@ CleanPrimitive clean_primitive(const Primitive& primitive) {
   return result;
 }
 
+Vec3d scene_origin(const Model& model) {
+  constexpr double kFar = 64;  // radii
+  if (deforms(model)) return PosableModel(model).anchor();
+  for (const Instance& instance : model.instances) {
+    const Mesh& mesh = model.primitives[instance.primitive].mesh;
+    if (mesh.triangles.empty() || !is_finite(instance.world)) continue;
+    // Vertices that are far from their node keep what precision they have.
+    const BoundingSphere sphere = bounding_sphere(mesh);
+    const bool far = length(sphere.center) > kFar * sphere.radius;
+    const Vec3d center = far ? to_double(to_float(sphere.center)) : Vec3d{};
+    return transformed_point(instance.world, center);
+  }
+  return {};
+}
+
 Scene make_scene(const Model& model) {
   Scene scene;
+  scene.origin = scene_origin(model);
   for (const Primitive& primitive : model.primitives) {
     scene.primitives.push_back(clean_primitive(primitive));
     const bool single_sided = is_gltf(model) && !primitive.double_sided;
     scene.culled.push_back(has_transparency_orders(primitive) ? primitive.orders->facing == Facing::single
                                                               : single_sided);
   }
-  for (std::uint32_t i = 0; i < model.instances.size(); ++i) append_object(model, i, scene);
+  std::vector<bool> by_joints(model.instances.size(), false);
+  std::optional<PosableModel> posable;
+  if (deforms(model)) {
+    posable.emplace(model, 0, scene.origin);
+    for (const ModelPart& part : posable->parts()) by_joints[part.instance] = part.skinned;
+  }
+  for (std::uint32_t i = 0; i < model.instances.size(); ++i) append_object(model, i, by_joints[i], scene);
   if (scene.mesh.triangles.empty()) {
     throw Error(ErrorKind::nothing_to_do,
                 model.path + ": nothing to draw: there are no triangles in its scene");
   }
+  if (posable) place_deformed(model, *posable, posable->rest_pose(), Moved::deformed, scene);
   scene.sphere = bounding_sphere(scene.mesh);
   return scene;
 }
@@ -211,80 +339,16 @@ std::uint32_t find_clip(const PosableModel& posable, const std::string& path, co
               fmt::format("{} has no animation '{}'; it has {}", path, name, names.empty() ? "none" : names));
 }
 
-// Returns for every vertex the first one at the same point of a smooth surface, which has the same position
-// and normal.
-std::vector<std::uint32_t> smooth_points(const Mesh& mesh) {
-  std::vector<std::uint32_t> points(mesh.positions.size());
-  std::map<std::array<float, 6>, std::uint32_t> first;
-  for (std::uint32_t v = 0; v < points.size(); ++v) {
-    points[v] = v;
-    if (mesh.normals.empty()) continue;
-    const Vec3f& p = mesh.positions[v];
-    const Vec3f& n = mesh.normals[v];
-    points[v] = first.try_emplace({p.x, p.y, p.z, n.x, n.y, n.z}, v).first->second;
-  }
-  return points;
-}
-
-// Returns the posed part as a mesh of its own.
-Mesh posed_part(const Scene& scene, const SceneObject& object, const Mesh& local,
-                std::span<const Vec3f> positions) {
-  Mesh mesh;
-  mesh.positions.assign(
-      positions.begin() + object.first_vertex,
-      positions.begin() + object.first_vertex + static_cast<std::ptrdiff_t>(local.positions.size()));
-  for (std::size_t t = 0; t < local.triangles.size(); ++t) {
-    Triangle triangle = scene.mesh.triangles[object.first_triangle + t];
-    for (std::uint32_t& vertex : triangle) vertex -= object.first_vertex;
-    mesh.triangles.push_back(triangle);
-  }
-  return mesh;
-}
-
-// Computes normals of the posed triangles, smooth where those of the file are.
-void set_normals(const Mesh& local, Mesh posed, std::span<Vec3f> normals) {
-  const std::vector<std::uint32_t> points = smooth_points(local);
-  for (Triangle& triangle : posed.triangles) {
-    for (std::uint32_t& vertex : triangle) vertex = points[vertex];
-  }
-  const std::vector<Vec3f> smooth = vertex_normals(posed);
-  for (std::size_t v = 0; v < points.size(); ++v) normals[v] = smooth[points[v]];
-}
-
-// Turns the triangles of an object if its joints mirror it and its node does not, or the other way round.
-void turn_as(const Triangle& drawn, const Triangle& in_file, const SceneObject& object, std::size_t count,
-             Scene& scene) {
-  const bool turned = drawn[1] - drawn[0] != in_file[1] - in_file[0];
-  if (turned == object.mirrored) return;
-  for (std::size_t t = 0; t < count; ++t) {
-    Triangle& triangle = scene.mesh.triangles[object.first_triangle + t];
-    std::swap(triangle[1], triangle[2]);
-  }
-}
-
 }  // namespace
 
 std::optional<std::uint32_t> pose_scene(const Model& model, const std::string& animation, double time,
                                         Scene& scene) {
-  const PosableModel posable(model);
-  std::vector<Vec3f> positions = posable.rest_pose();
-  std::optional<std::uint32_t> clip;
-  if (!animation.empty()) clip = find_clip(posable, model.path, animation);
-  if (clip) posable.pose(*clip, time, positions);
-  const std::vector<ModelPart>& parts = posable.parts();
-  std::size_t next = 0;
-  for (const SceneObject& object : scene.objects) {
-    while (parts[next].instance != object.instance) ++next;
-    const ModelPart& part = parts[next];
-    const CleanPrimitive& primitive = scene.primitives[object.primitive];
-    const auto count = static_cast<std::ptrdiff_t>(primitive.mesh.positions.size());
-    const auto target = scene.mesh.positions.begin() + object.first_vertex;
-    std::copy_n(positions.begin() + part.first_vertex, count, target);
-    turn_as(posable.triangles()[part.first_triangle], model.primitives[object.primitive].mesh.triangles[0],
-            object, primitive.mesh.triangles.size(), scene);
-    set_normals(primitive.mesh, posed_part(scene, object, primitive.mesh, scene.mesh.positions),
-                std::span(scene.mesh.normals).subspan(object.first_vertex, static_cast<std::size_t>(count)));
-  }
+  if (animation.empty()) return {};
+  const PosableModel posable(model, 0, scene.origin);
+  const std::uint32_t clip = find_clip(posable, model.path, animation);
+  std::vector<Vec3f> positions;
+  posable.pose(clip, time, positions);
+  place_deformed(model, posable, positions, Moved::all, scene);
   scene.sphere = bounding_sphere(scene.mesh);
   return clip;
 }
@@ -324,7 +388,7 @@ void fit_planes(const BoundingSphere& sphere, Camera& camera) {
   camera.near_plane = std::max(depth - radius, kNearest * camera.far_plane);
 }
 
-Camera placed_camera(const ModelCamera& source, const BoundingSphere& sphere, std::uint32_t width,
+Camera placed_camera(const ModelCamera& source, const Scene& scene, std::uint32_t width,
                      std::uint32_t height) {
   const auto& m = source.world.m;
   Camera camera;
@@ -332,7 +396,7 @@ Camera placed_camera(const ModelCamera& source, const BoundingSphere& sphere, st
   camera.height = height;
   camera.perspective = source.perspective;
   camera.half_height = source.half_height;
-  camera.eye = {m[12], m[13], m[14]};
+  camera.eye = Vec3d{m[12], m[13], m[14]} - scene.origin;
   camera.forward = normalized(Vec3d{-m[8], -m[9], -m[10]});
   camera.right = normalized(cross(camera.forward, Vec3d{m[4], m[5], m[6]}));
   camera.up = cross(camera.right, camera.forward);
@@ -341,15 +405,15 @@ Camera placed_camera(const ModelCamera& source, const BoundingSphere& sphere, st
     throw Error(ErrorKind::bad_input,
                 fmt::format("camera '{}': its node's matrix gives it no direction", source.name));
   }
-  fit_planes(sphere, camera);
+  fit_planes(scene.sphere, camera);
   return camera;
 }
 
 }  // namespace
 
-Camera file_camera(const Model& model, const std::string& name, const BoundingSphere& sphere,
-                   std::uint32_t width, std::uint32_t height) {
-  return placed_camera(find_camera(model, name), sphere, width, height);
+Camera file_camera(const Model& model, const std::string& name, const Scene& scene, std::uint32_t width,
+                   std::uint32_t height) {
+  return placed_camera(find_camera(model, name), scene, width, height);
 }
 
 }  // namespace pellucid

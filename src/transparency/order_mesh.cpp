@@ -1,6 +1,7 @@
 // Implements order_mesh() and order_frontier() of pellucid/transparency.h: computes the in-depth buffers of a
 // mesh. This file calls the steps in their order; each step has a file of its own:
 //
+//   0. recognise a mesh that needs no search                      simple_order.h
 //   1. simplify a large mesh, and a mesh for the search            pellucid/mesh.h
 //   2. find the occlusion graph of every view cell                 order_problem.h, graph/occlusion_graph.h
 //   3. cluster the cells: within an error budget, or acyclically   cluster/clustering.h
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -27,6 +29,7 @@
 #include "transparency/cluster/error_target.h"
 #include "transparency/order_problem.h"
 #include "transparency/run_records.h"
+#include "transparency/simple_order.h"
 #include "transparency/upsample.h"
 
 namespace pellucid {
@@ -110,6 +113,8 @@ class Orderer {
   }
 
   OrderResult run() {
+    if (std::optional<SimpleOrder> simple = find_simple_order(mesh_, bounding_sphere(mesh_), options_.facing))
+      return simple_result(std::move(*simple));
     prepare();
     const Clustering clustering = without_unused_orders(cluster());
     result_.statistics.seconds.cluster = stage_.lap();
@@ -179,6 +184,19 @@ class Orderer {
     }
     record_graph(fine_.graph);
     result_.statistics.seconds.graph = stage_.lap();
+  }
+
+  // Makes the result of a mesh that one order draws right from everywhere. Further buffers, if options ask for
+  // them, would be the same.
+  OrderResult simple_result(SimpleOrder simple) {
+    result_.statistics.simple = true;
+    result_.statistics.regions = 1;
+    result_.statistics.triangles = mesh_.triangles.size();
+    result_.statistics.measured_psnr = kPerfectPsnr;
+    result_.orders.orders = {std::move(simple.front_to_back)};
+    result_.orders.base_sequence = std::move(simple.base);
+    describe(std::vector<std::uint32_t>(make_partition(options_.partition).cell_count(), 0));
+    return finished();
   }
 
   [[nodiscard]] const Mesh& ordered() const { return upsampling_ ? simplified_ : mesh_; }
@@ -417,14 +435,20 @@ class Orderer {
     return ranks;
   }
 
-  void finish(const Clustering& clustering) {
+  // Says what the orders are for. `cell_orders`: the order of every view cell.
+  void describe(std::vector<std::uint32_t> cell_orders) {
     OrderSet& set = result_.orders;
     set.partition = options_.partition;
     set.sphere = bounding_sphere(mesh_);
     set.valid_from = range_.from;
     set.valid_to = range_.to;
     set.facing = options_.facing;
-    set.cell_orders = clustering.cluster_of;
+    set.cell_orders = std::move(cell_orders);
+  }
+
+  void finish(const Clustering& clustering) {
+    describe(clustering.cluster_of);
+    const OrderSet& set = result_.orders;
     const ViewPartition partition = make_partition(options_.partition);
     result_.statistics.regions = find_regions(partition, set.cell_orders).count;
     result_.statistics.switches_per_turn = switches_per_turn(partition, set.cell_orders);

@@ -112,14 +112,14 @@ TEST(Ply, RoundsNumbersToTheNearestFloatAndKeepsNonFiniteOnes) {
 TEST(Obj, ReadsAllFormsOfCorners) {
   const Mesh mesh = mesh_of("f.obj",
                             "# square\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\nvn 0 0 3\n"
-                            "f 1/1/1 2//1 3/1/1 # trailing\ns 1\nf 1//-1 -2/-1/-1 \\\n 4//1\n");
+                            "f 1//1 2//1 3/1/1 # trailing\ns 1\nf 1//-1 -2/-1/-1 \\\n 4//1\n");
   EXPECT_EQ(mesh.positions, kSquare);
   EXPECT_EQ(mesh.normals, (std::vector<Vec3f>(4, {0, 0, 1})));
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
 }
 
 TEST(Obj, WithoutNormalsVerticesKeepTheirNumbers) {
-  const Mesh mesh = mesh_of("k.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 4/1 2/1 3/\n");
+  const Mesh mesh = mesh_of("k.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 4 2/ 3/\n");
   EXPECT_EQ(mesh.positions.size(), 4U);
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{3, 1, 2}));
 }

@@ -139,11 +139,23 @@ TEST(Scene, SingleSidedPrimitivesHaveNoBackFaces) {
   for (const Fragment& fragment : front.fragments) EXPECT_EQ(fragment.node % 2, 0U);
 }
 
-TEST(Scene, RefusesWorldMatricesWithoutInverse) {
+TEST(Scene, SkipsWhatIsSmallerThanAPlaneAndDrawsWhatIsFlat) {
   Model model;
   model.format = "glb";
   model.primitives = {blend_primitive("tetrahedron")};
-  model.instances = {{"flat", 0, placed(1, 0, 1, {})}};
+  model.instances = {{"flat", 0, placed(1, 0, 1, {})}, {"whole", 0, placed(1, 1, 1, {3, 0, 0})}};
+  const Scene scene = make_scene(model);
+  ASSERT_EQ(scene.objects.size(), 2U);
+  EXPECT_FALSE(scene.objects[0].has_inverse);
+  for (std::uint32_t v = 0; v < scene.objects[1].first_vertex; ++v) {
+    EXPECT_EQ(scene.mesh.positions[v].y, 0);
+    EXPECT_EQ(std::fabs(scene.mesh.normals[v].y), 1);
+  }
+  for (const Mat4& nothing : {placed(0, 0, 0, {}), placed(1, 0, 0, {})}) {
+    model.instances[0].world = nothing;
+    EXPECT_EQ(make_scene(model).objects.size(), 1U);
+  }
+  model.instances[0].world.m[12] = std::nan("");
   EXPECT_THROW(make_scene(model), Error);
   model.instances.clear();
   EXPECT_THROW(make_scene(model), Error);

@@ -39,9 +39,11 @@ void require_fits(std::uint64_t count, std::uint64_t least_bytes_each, std::uint
                   const std::string& what, const std::string& path);
 
 // Appends the triangles of one polygon, always corners - 2 of them (none below three corners). Quadrilaterals
-// are split along the diagonal for which both halves face the same way. Other concave polygons of up to 4096
-// corners are split by ear clipping (Meisters 1975), in O(n^2). All others become fans from the first corner.
-// All indices must be in range.
+// are split along the diagonal for which both halves face the same way. Other concave polygons are split by
+// ear clipping, seen along their normal, with exact predicates: the triangles of a simple polygon cover exactly
+// its area, also where holes are joined to the outline by edges that are walked twice. Polygons that intersect
+// themselves give some triangles of their corners. Takes O(n) for convex polygons, and expected O(n log n)
+// for others. All indices must be in range.
 void triangulate(std::span<const std::uint32_t> corners, std::span<const Vec3f> positions,
                  std::vector<Triangle>& triangles);
 

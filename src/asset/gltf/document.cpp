@@ -158,16 +158,18 @@ bool is_fallback(const Fields& buffer) {
 // because it is too long, counts as missing.
 bool is_beside(const GltfDocument& document, const std::string& uri) {
   std::error_code ignored;
-  return fs::exists(fs::path(document.path).parent_path() / decode_relative_uri(uri).value_or(""), ignored);
+  const fs::path folder = fs::path(document.path).parent_path();
+  return fs::exists(folder / relative_path(folder, uri).value_or(""), ignored);
 }
 
 Bytes read_external(const GltfDocument& document, const Fields& buffer, const std::string& uri) {
-  const auto relative = decode_relative_uri(uri);
+  const fs::path folder = fs::path(document.path).parent_path();
+  const auto relative = relative_path(folder, uri);
   if (!relative) {
     buffer.fail("uri " + in_quotes(uri, kLongestUri) +
                 " is not a relative path; only files beside the model and data: are read");
   }
-  const auto path = fs::path(document.path).parent_path() / *relative;
+  const auto path = folder / *relative;
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) {
     buffer.fail("the file " + in_quotes(*relative, kLongestUri) + " is missing or not a regular file");
@@ -193,7 +195,7 @@ GltfBuffer load_buffer(const GltfDocument& document, const Fields& buffer, std::
     if (is_data_uri(uri)) {
       loaded.storage = BufferStorage::data_uri;
       auto decoded = decode_data_uri(uri);
-      if (!decoded) buffer.fail("the data: uri is not well-formed base64");
+      if (!decoded) buffer.fail("the data: uri is malformed");
       bytes = std::move(*decoded);
     } else {
       loaded.storage = BufferStorage::external;

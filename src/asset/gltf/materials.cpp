@@ -220,7 +220,7 @@ class MaterialReader {
       file = accessors_.view_bytes(*view);
     } else if (const std::string uri = image.text("uri"); is_data_uri(uri)) {
       auto decoded = decode_data_uri(uri);
-      if (!decoded) image.fail("the data: uri is not well-formed base64");
+      if (!decoded) image.fail("the data: uri is malformed");
       storage = std::move(*decoded);
       file = storage;
     } else {
@@ -245,9 +245,10 @@ class MaterialReader {
   }
 
   bool read_beside(const Fields& image, const std::string& uri, Bytes& file) {
-    const auto relative = decode_relative_uri(uri);
+    const auto folder = std::filesystem::path(model_.document->path).parent_path();
+    const auto relative = relative_path(folder, uri);
     if (!relative) image.fail("uri " + in_quotes(uri, kLongestUri) + " is not a relative path");
-    const auto path = std::filesystem::path(model_.document->path).parent_path() / *relative;
+    const auto path = folder / *relative;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) {
       note(image, "the file " + in_quotes(*relative, kLongestUri) + " is missing");

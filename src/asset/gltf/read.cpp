@@ -147,9 +147,18 @@ Primitive read_primitive(const Fields& root, const Fields& fields, AccessorReade
 // Limits the instances, because many primitives under many nodes multiply.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 20U;
 
-// Extensions that pellucid understands and that change the data it reads.
-constexpr std::array kUnderstood = {kOrderExtension, kMeshoptExtension, kKhrMeshoptExtension,
-                                    "KHR_mesh_quantization"};
+// Extensions that pellucid understands. Those of materials are read when the model is drawn (materials.cpp).
+constexpr std::array kUnderstood = {kOrderExtension,
+                                    kMeshoptExtension,
+                                    kKhrMeshoptExtension,
+                                    "KHR_mesh_quantization",
+                                    "EXT_mesh_gpu_instancing",
+                                    "KHR_node_visibility",
+                                    "KHR_texture_transform",
+                                    "KHR_materials_transmission",
+                                    "KHR_materials_unlit",
+                                    "KHR_materials_emissive_strength",
+                                    "KHR_materials_pbrSpecularGlossiness"};
 
 class GltfModelReader {
  public:
@@ -191,27 +200,71 @@ class GltfModelReader {
 
   void read_instances() {
     std::uint64_t skinned = 0;
-    std::uint64_t gpu_instanced = 0;
-    for_each_node(root_, [&](const Fields& node, std::uint64_t /*index*/, const Mat4& world) {
-      const auto mesh = node.find_index("mesh");
+    std::uint64_t hidden = 0;
+    for_each_node(root_, [&](const SceneNode& node) {
+      const auto mesh = node.fields.find_index("mesh");
       if (!mesh) return;
       if (*mesh + 1 >= first_primitive_.size())
-        node.fail("mesh " + std::to_string(*mesh) + " does not exist");
-      if (node.has("skin")) ++skinned;
-      if (node.extension("EXT_mesh_gpu_instancing")) ++gpu_instanced;
-      const std::string name = short_name(node.text_or("name", ""));
-      for (std::size_t p = first_primitive_[*mesh]; p < first_primitive_[*mesh + 1]; ++p) {
-        if (model_.instances.size() == kMaxInstances)
-          node.fail("the scene draws more than a million primitives");
-        if (node.has("skin")) model_.primitives[p].deforms = true;
-        model_.instances.push_back({name, static_cast<std::uint32_t>(p), world});
+        node.fields.fail("mesh " + std::to_string(*mesh) + " does not exist");
+      if (node.fields.has("skin")) ++skinned;
+      if (!node.visible) {
+        ++hidden;
+        return;
       }
+      add_instances(node, *mesh);
     });
     if (skinned > 0) note(plural(skinned, "skinned mesh", "skinned meshes") + ": only overdraw orders hold");
-    if (gpu_instanced > 0) {
-      note(plural(gpu_instanced, "node", "nodes") +
-           " with EXT_mesh_gpu_instancing: kept, counted as one instance each");
+    if (hidden > 0) note(plural(hidden, "hidden node", "hidden nodes") + " (KHR_node_visibility)");
+  }
+
+  void add_instances(const SceneNode& node, std::uint64_t mesh) {
+    const std::string name = short_name(node.fields.text_or("name", ""));
+    const std::vector<Mat4> matrices = instance_matrices(node.fields);
+    for (std::size_t p = first_primitive_[mesh]; p < first_primitive_[mesh + 1]; ++p) {
+      if (node.fields.has("skin")) model_.primitives[p].deforms = true;
+      for (const Mat4& in_node : matrices) {
+        if (model_.instances.size() == kMaxInstances)
+          node.fields.fail("the scene draws more than a million primitives");
+        const Mat4 world = in_node == Mat4{} ? node.world : multiply(node.world, in_node);
+        model_.instances.push_back({name, static_cast<std::uint32_t>(p), world,
+                                    static_cast<std::uint32_t>(node.index), in_node});
+      }
     }
+  }
+
+  // Returns the matrices of EXT_mesh_gpu_instancing, local to the node; the identity without it.
+  std::vector<Mat4> instance_matrices(const Fields& node) {
+    const auto extension = node.extension("EXT_mesh_gpu_instancing");
+    if (!extension) return {Mat4{}};
+    const Fields attributes = extension->object("attributes");
+    const auto read = [&](const char* name, const char* type) {
+      const auto accessor = attributes.find_index(name);
+      return accessor ? accessors_.read_reals(*accessor, type) : std::vector<float>{};
+    };
+    const std::vector<float> translations = read("TRANSLATION", "VEC3");
+    const std::vector<float> rotations = read("ROTATION", "VEC4");
+    const std::vector<float> scales = read("SCALE", "VEC3");
+    const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+    const auto fits = [&](const std::vector<float>& values, std::size_t width) {
+      return values.empty() || values.size() == width * count;
+    };
+    if (!fits(translations, 3) || !fits(rotations, 4) || !fits(scales, 3))
+      attributes.fail("the attributes have different numbers of instances");
+    if (count > kMaxInstances) attributes.fail("there are more than a million instances");
+    std::vector<Mat4> matrices;
+    matrices.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      matrices.push_back(compose(values_at<3>(translations, i, {}), values_at<4>(rotations, i, {0, 0, 0, 1}),
+                                 values_at<3>(scales, i, {1, 1, 1})));
+    }
+    return matrices;
+  }
+
+  template <std::size_t N>
+  static std::array<double, N> values_at(const std::vector<float>& values, std::size_t i,
+                                         std::array<double, N> otherwise) {
+    if (!values.empty()) std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(N * i), N, otherwise.begin());
+    return otherwise;
   }
 
   void read_animations() {
@@ -232,14 +285,24 @@ class GltfModelReader {
       note(plural(transmissive, "material", "materials") +
            " with KHR_materials_transmission: kept, drawn by alphaMode");
     }
-    const Json* used = root_.find_array("extensionsUsed");
-    if (used == nullptr) return;
-    for (const Json& name : *used) {
-      if (!name.is_string()) root_.fail("extensionsUsed holds something that is not a string");
-      const auto text = name.get<std::string>();
-      const bool told = text == "KHR_materials_transmission" || text == "EXT_mesh_gpu_instancing";
-      const bool understood = std::find(kUnderstood.begin(), kUnderstood.end(), text) != kUnderstood.end();
-      if (!told && !understood) note(short_name(text) + " kept, not read");
+    const auto names = [&](const char* key) {
+      std::vector<std::string> list;
+      const Json* array = root_.find_array(key);
+      if (array == nullptr) return list;
+      for (const Json& name : *array) {
+        if (!name.is_string()) root_.fail(std::string(key) + " holds something that is not a string");
+        list.push_back(name.get<std::string>());
+      }
+      return list;
+    };
+    const auto understood = [](const std::string& name) {
+      return std::find(kUnderstood.begin(), kUnderstood.end(), name) != kUnderstood.end();
+    };
+    for (const std::string& name : names("extensionsUsed")) {
+      if (name != "KHR_materials_transmission" && !understood(name)) note(short_name(name) + " kept, not read");
+    }
+    for (const std::string& name : names("extensionsRequired")) {
+      if (!understood(name)) model_.unknown_required.push_back(short_name(name));
     }
   }
 

@@ -223,16 +223,11 @@ class RigReader {
 
  private:
   void read_instances() {
-    for_each_node(root_, [&](const Fields& node, std::uint64_t index, const Mat4& /*world*/) {
-      const auto mesh = node.find_index("mesh");
-      if (!mesh) return;
-      const std::uint64_t primitives = root_.element("meshes", *mesh).size("primitives");
-      for (std::uint64_t p = 0; p < primitives; ++p) {
-        rig_.instance_nodes.push_back(static_cast<std::uint32_t>(index));
-      }
-    });
-    if (rig_.instance_nodes.size() != model_.instances.size()) {
-      throw Error(ErrorKind::bad_argument, model_.path + ": its instances are not those of the file");
+    const std::uint64_t nodes = root_.size("nodes");
+    for (const Instance& instance : model_.instances) {
+      if (instance.node >= nodes)
+        throw Error(ErrorKind::bad_argument, model_.path + ": its instances are not those of the file");
+      rig_.instance_nodes.push_back(instance.node);
     }
   }
 

@@ -10,57 +10,21 @@
 namespace pellucid {
 namespace {
 
-// Returns a * b for column-major matrices, which applies b first.
-Mat4 multiply(const Mat4& a, const Mat4& b) {
-  Mat4 product;
-  for (std::size_t column = 0; column < 4; ++column) {
-    for (std::size_t row = 0; row < 4; ++row) {
-      double sum = 0;
-      for (std::size_t k = 0; k < 4; ++k) sum += a.m[4 * k + row] * b.m[4 * column + k];
-      product.m[4 * column + row] = sum;
-    }
-  }
-  return product;
-}
-
 constexpr std::uint64_t kNoParent = ~std::uint64_t{0};
 
-Mat4 from_translation_rotation_scale(const Fields& node) {
-  Mat4 local;
-  const auto translation = node.numbers("translation", 3);
-  const auto rotation = node.numbers("rotation", 4);
-  const auto scale = node.numbers("scale", 3);
-  if (!rotation.empty()) {
-    const double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
-    local.m = {1 - 2 * (y * y + z * z),
-               2 * (x * y + z * w),
-               2 * (x * z - y * w),
-               0,
-               2 * (x * y - z * w),
-               1 - 2 * (x * x + z * z),
-               2 * (y * z + x * w),
-               0,
-               2 * (x * z + y * w),
-               2 * (y * z - x * w),
-               1 - 2 * (x * x + y * y),
-               0,
-               0,
-               0,
-               0,
-               1};
-  }
-  if (!scale.empty()) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      for (std::size_t row = 0; row < 3; ++row) local.m[4 * column + row] *= scale[column];
-    }
-  }
-  if (!translation.empty()) std::copy(translation.begin(), translation.end(), local.m.begin() + 12);
-  return local;
+template <std::size_t N>
+std::array<double, N> numbers_or(const Fields& node, const char* key, std::array<double, N> otherwise) {
+  const auto numbers = node.numbers(key, N);
+  if (!numbers.empty()) std::copy(numbers.begin(), numbers.end(), otherwise.begin());
+  return otherwise;
 }
 
 Mat4 local_matrix(const Fields& node) {
   const auto matrix = node.numbers("matrix", 16);
-  if (matrix.empty()) return from_translation_rotation_scale(node);
+  if (matrix.empty()) {
+    return compose(numbers_or<3>(node, "translation", {}), numbers_or<4>(node, "rotation", {0, 0, 0, 1}),
+                   numbers_or<3>(node, "scale", {1, 1, 1}));
+  }
   Mat4 local;
   std::copy(matrix.begin(), matrix.end(), local.m.begin());
   return local;
@@ -148,7 +112,38 @@ ModelCamera read_camera(const Fields& fields) {
   return camera;
 }
 
+bool is_visible(const Fields& node) {
+  const auto extension = node.extension("KHR_node_visibility");
+  return !extension || extension->flag_or("visible", true);
+}
+
 }  // namespace
+
+Mat4 multiply(const Mat4& a, const Mat4& b) {
+  Mat4 product;
+  for (std::size_t column = 0; column < 4; ++column) {
+    for (std::size_t row = 0; row < 4; ++row) {
+      double sum = 0;
+      for (std::size_t k = 0; k < 4; ++k) sum += a.m[4 * k + row] * b.m[4 * column + k];
+      product.m[4 * column + row] = sum;
+    }
+  }
+  return product;
+}
+
+Mat4 compose(const std::array<double, 3>& translation, const std::array<double, 4>& rotation,
+             const std::array<double, 3>& scale) {
+  const auto [x, y, z, w] = rotation;
+  Mat4 local;
+  local.m = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w),     2 * (x * z - y * w),     0,
+             2 * (x * y - z * w),     1 - 2 * (x * x + z * z), 2 * (y * z + x * w),     0,
+             2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y), 0,
+             translation[0],          translation[1],          translation[2],          1};
+  for (std::size_t column = 0; column < 3; ++column) {
+    for (std::size_t row = 0; row < 3; ++row) local.m[4 * column + row] *= scale[column];
+  }
+  return local;
+}
 
 void for_each_node(const Fields& root, const NodeVisitor& visit) {
   const std::vector<std::uint64_t> parents = find_parents(root);
@@ -158,18 +153,20 @@ void for_each_node(const Fields& root, const NodeVisitor& visit) {
   struct Visit {
     std::uint64_t node;
     Mat4 parent_world;
+    bool parent_visible;
   };
   std::vector<Visit> pending;
   const std::vector<std::uint64_t> roots = scene_roots(root, parents);
-  for (auto node = roots.rbegin(); node != roots.rend(); ++node) pending.push_back({*node, Mat4{}});
+  for (auto node = roots.rbegin(); node != roots.rend(); ++node) pending.push_back({*node, Mat4{}, true});
   while (!pending.empty()) {
     const Visit next = pending.back();
     pending.pop_back();
     const Fields node = root.element("nodes", next.node);
     const Mat4 world = multiply(next.parent_world, local_matrix(node));
-    visit(node, next.node, world);
+    const bool visible = next.parent_visible && is_visible(node);
+    visit({node, next.node, world, visible});
     for (std::uint64_t k = node.size("children"); k-- > 0;) {
-      pending.push_back({node.element_index("children", k), world});
+      pending.push_back({node.element_index("children", k), world, visible});
     }
   }
 }
@@ -178,12 +175,12 @@ std::vector<ModelCamera> read_cameras(const Model& model) {
   std::vector<ModelCamera> cameras;
   if (model.document == nullptr) return cameras;
   const Fields root(model.document->path, model.document->json, "");
-  for_each_node(root, [&](const Fields& node, std::uint64_t /*index*/, const Mat4& world) {
-    const auto index = node.find_index("camera");
+  for_each_node(root, [&](const SceneNode& node) {
+    const auto index = node.fields.find_index("camera");
     if (!index) return;
     ModelCamera camera = read_camera(root.element("cameras", *index));
-    if (camera.name.empty()) camera.name = short_name(node.text_or("name", ""));
-    camera.world = world;
+    if (camera.name.empty()) camera.name = short_name(node.fields.text_or("name", ""));
+    camera.world = node.world;
     cameras.push_back(std::move(camera));
   });
   return cameras;

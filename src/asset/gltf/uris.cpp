@@ -1,8 +1,12 @@
 // Implements uris.h: base64, percent-encoding and the checks of relative references.
 #include "asset/gltf/uris.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
+#include <system_error>
+
+#include "asset/formats/text_cursor.h"
 
 namespace pellucid {
 namespace {
@@ -49,6 +53,20 @@ std::optional<unsigned> hex_digit(char c) {
   return std::nullopt;
 }
 
+// Replaces "%41" by "A". A '%' that two hexadecimal digits do not follow stays as it is: many programs write
+// names of files without encoding them.
+std::string decode_percent(std::string_view text) {
+  std::string decoded;
+  decoded.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto high = text[i] == '%' && i + 2 < text.size() ? hex_digit(text[i + 1]) : std::nullopt;
+    const auto low = high ? hex_digit(text[i + 2]) : std::nullopt;
+    decoded.push_back(low ? static_cast<char>(*high * 16 + *low) : text[i]);
+    if (low) i += 2;
+  }
+  return decoded;
+}
+
 // Returns whether "scheme:" comes before any '/', '?' or '#'.
 bool has_scheme(std::string_view uri) {
   const std::size_t colon = uri.find(':');
@@ -58,14 +76,20 @@ bool has_scheme(std::string_view uri) {
 }  // namespace
 
 bool is_data_uri(std::string_view uri) {
-  return uri.starts_with("data:");
+  return equals_ignoring_case(uri.substr(0, 5), "data:");
 }
 
 std::optional<Bytes> decode_data_uri(std::string_view uri) {
+  constexpr std::string_view kBase64Mark = ";base64";
   const std::size_t comma = uri.find(',');
   if (!is_data_uri(uri) || comma == std::string_view::npos) return std::nullopt;
-  if (!uri.substr(0, comma).ends_with(";base64")) return std::nullopt;
-  return decode_base64(uri.substr(comma + 1));
+  const std::string_view head = uri.substr(0, comma);
+  const std::string data = decode_percent(uri.substr(comma + 1));
+  const std::size_t mark = head.size() - std::min(head.size(), kBase64Mark.size());
+  if (equals_ignoring_case(head.substr(mark), kBase64Mark)) return decode_base64(data);
+  Bytes bytes(data.size());
+  std::transform(data.begin(), data.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+  return bytes;
 }
 
 std::string encode_data_uri(const Bytes& bytes) {
@@ -86,23 +110,21 @@ std::string encode_data_uri(const Bytes& bytes) {
 
 std::optional<std::string> decode_relative_uri(std::string_view uri) {
   if (uri.empty() || uri.front() == '/' || uri.front() == '\\' || has_scheme(uri)) return std::nullopt;
-  std::string path;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '\0') return std::nullopt;
-    if (uri[i] != '%') {
-      path.push_back(uri[i]);
-      continue;
-    }
-    if (i + 2 >= uri.size()) return std::nullopt;
-    const auto high = hex_digit(uri[i + 1]);
-    const auto low = hex_digit(uri[i + 2]);
-    if (!high || !low || (*high == 0 && *low == 0)) return std::nullopt;
-    path.push_back(static_cast<char>(*high * 16 + *low));
-    i += 2;
-  }
+  std::string path = decode_percent(uri);
+  if (path.find('\0') != std::string::npos) return std::nullopt;
   // An escaped '/' must not make the path absolute.
   if (path.front() == '/') return std::nullopt;
   return path;
+}
+
+std::optional<std::string> relative_path(const std::filesystem::path& folder, std::string_view uri) {
+  std::optional<std::string> path = decode_relative_uri(uri);
+  if (!path) return path;
+  std::error_code ignored;
+  // "a%20b.bin" may be the name itself.
+  const bool raw = !std::filesystem::exists(folder / *path, ignored) &&
+                   std::filesystem::exists(folder / std::string(uri), ignored);
+  return raw ? std::string(uri) : path;
 }
 
 std::string encode_relative_uri(std::string_view path) {

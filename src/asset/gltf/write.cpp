@@ -2,11 +2,13 @@
 // (docs/file-format.md).
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <numeric>
 
 #include "asset/formats/text_cursor.h"
 #include "asset/gltf/edit.h"
 #include "asset/gltf/minimal_document.h"
+#include "asset/gltf/textures_beside.h"
 #include "asset/order_extension/order_extension.h"
 
 namespace pellucid {
@@ -43,6 +45,7 @@ class ModelWriter {
   WriteReport write() {
     editor_.remove_orders();
     if (model_.document != nullptr) {
+      textures_ = carry_textures(editor_, path_, options_.embed_textures, report_.notes);
       append_vertices();
       write_bases();
     }
@@ -185,6 +188,11 @@ class ModelWriter {
     report_.order_bytes = arrays_.order_bytes();
     report_.files.push_back(path_);
     report_.file_bytes = files.main.size();
+
+    if (fs::is_directory(fs::absolute(path_).parent_path())) {
+      for (const auto& texture : textures_) fs::create_directories(fs::absolute(texture.first).parent_path());
+    }
+    std::move(textures_.begin(), textures_.end(), std::back_inserter(files.side_files));
     for (const auto& [name, bytes] : files.side_files) {
       report_.files.push_back(name);
       report_.file_bytes += bytes.size();
@@ -205,7 +213,19 @@ class ModelWriter {
       for (const std::string& name : created) fs::remove(name, ignored);
       throw;
     }
+    note_stale_files();
     return std::move(report_);
+  }
+
+  // An earlier run may have stored orders in files of their own, to which this file does not refer.
+  void note_stale_files() {
+    for (const char* suffix : {".orders.bin", ".orders-fallback.bin"}) {
+      const std::string name = fs::path(path_).replace_extension().string() + suffix;
+      const auto& files = report_.files;
+      std::error_code ignored;
+      if (fs::exists(name, ignored) && std::find(files.begin(), files.end(), name) == files.end())
+        report_.notes.push_back(name + " is of an earlier run; " + path_ + " does not refer to it");
+    }
   }
 
   const Model& model_;
@@ -216,6 +236,7 @@ class ModelWriter {
   DocumentEditor editor_;
   OrderArrayWriter arrays_;
   WriteReport report_;
+  std::vector<SideFile> textures_;  // copies of textures beside the source
 };
 
 }  // namespace

@@ -199,6 +199,11 @@ void GpuScene::draw_all() {
   groups = all_groups;
 }
 
+void GpuScene::draw_both_sides() {
+  for (DrawRange& range : ranges) range.culled = false;
+  for (TriangleGroup& group : groups) group.range.culled = false;
+}
+
 std::uint32_t GpuScene::features() const {
   const bool cuts = std::any_of(ranges.begin(), ranges.end(), [](const DrawRange& r) { return r.cut_out; });
   return (attributes ? static_cast<std::uint32_t>(colored) : 0U) | (cuts ? cut_out : 0U);

@@ -42,6 +42,8 @@ struct GpuScene {
   std::vector<TriangleGroup> groups;  // the same triangles as `ranges`
   std::uint32_t object_count = 0;
 
+  // Draws back faces of one-sided surfaces as well, until draw_all() or draw_only().
+  void draw_both_sides();
   void draw_all();
   void draw_only(bool opaque);
   [[nodiscard]] bool has_opaque() const;

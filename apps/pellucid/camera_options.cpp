@@ -22,7 +22,7 @@ double parse_number(const std::string& item, const std::string& whole) {
   if (item.empty() || rest != item.c_str() + item.size() || !std::isfinite(value)) {
     throw Error(
         ErrorKind::bad_argument,
-        fmt::format("--camera: '{}' is not azimuth,elevation,distance (degrees, degrees, radii)", whole));
+        fmt::format("--camera: '{}' is not azimuth,elevation or azimuth,elevation,distance (degrees, degrees, radii)", whole));
   }
   return value;
 }
@@ -33,29 +33,141 @@ Viewpoint parse_camera(const std::string& text) {
   const std::string orbit = "orbit:";
   const std::string numbers = text.starts_with(orbit) ? text.substr(orbit.size()) : text;
   const std::size_t first = numbers.find(',');
-  const std::size_t second = first == std::string::npos ? first : numbers.find(',', first + 1);
-  if (second == std::string::npos) parse_number("", text);
+  if (first == std::string::npos) parse_number("", text);
+  const std::size_t second = std::min(numbers.find(',', first + 1), numbers.size());
   const double radians = std::numbers::pi / 180;
   const double azimuth = radians * parse_number(numbers.substr(0, first), text);
   const double elevation = radians * parse_number(numbers.substr(first + 1, second - first - 1), text);
-  const double distance = parse_number(numbers.substr(second + 1), text);
+  const double distance =
+      second == numbers.size() ? kFitDistance : parse_number(numbers.substr(second + 1), text);
   if (!std::isfinite(azimuth) || !std::isfinite(elevation)) parse_number("", text);
-  if (!(distance > 1)) {
-    throw Error(ErrorKind::bad_argument, "--camera: the distance must be more than 1 bounding radius");
-  }
+  if (!(distance > 0)) throw Error(ErrorKind::bad_argument, "--camera: the distance must be greater than 0");
   return {
       {std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth)},
       distance};
+}
+
+bool fits(const std::string& text) {
+  return !is_file_camera(text) && std::count(text.begin(), text.end(), ',') == 1;
 }
 
 bool is_file_camera(const std::string& text) {
   return text.starts_with(kFileCamera);
 }
 
-Camera camera_from(const std::string& text, const Model& model, const Scene& scene, std::uint32_t width,
-                   std::uint32_t height) {
-  if (!is_file_camera(text)) return look_at_sphere(scene.sphere, parse_camera(text), width, height);
-  return file_camera(model, text.substr(kFileCamera.size()), scene, width, height);
+void add_lens_options(CLI::App& command, LensOptions& lens) {
+  constexpr const char* kGroup = "Camera";
+  command
+      .add_option("--target", lens.target,
+                  "What the camera looks at and goes round, in the file's coordinates (default: the middle of the scene)")
+      ->type_name("X,Y,Z")
+      ->group(kGroup);
+  command.add_option("--zoom", lens.zoom, "Enlarge the image by this factor")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->type_name("X")
+      ->capture_default_str()
+      ->group(kGroup);
+  command.add_option("--fov", lens.fov, "Vertical angle of view in degrees (default: what shows the whole scene)")
+      ->check(CLI::Range(0.01, 179.0))
+      ->type_name("DEGREES")
+      ->group(kGroup);
+  command.add_option("--near", lens.near_plane, "Draw nothing nearer to the camera than this, in the file's units")
+      ->check(CLI::PositiveNumber)
+      ->type_name("X")
+      ->group(kGroup);
+}
+
+namespace {
+
+Vec3d parse_target(const std::string& text) {
+  Vec3d target;
+  const char* at = text.c_str();
+  for (double* coordinate : {&target.x, &target.y, &target.z}) {
+    char* end = nullptr;
+    *coordinate = std::strtod(at, &end);
+    const char expected = coordinate == &target.z ? '\0' : ',';
+    if (end == at || *end != expected || !std::isfinite(*coordinate))
+      throw Error(ErrorKind::bad_argument, fmt::format("--target: '{}' is not X,Y,Z", text));
+    at = end + 1;
+  }
+  return target;
+}
+
+// Fits near and far planes to what lies in front of a perspective camera.
+void fit_depths(const BoundingSphere& sphere, Camera& camera) {
+  constexpr double kNearest = 1e-4;  // of the far plane
+  const double depth = dot(sphere.center - camera.eye, camera.forward);
+  camera.far_plane = std::max(depth + sphere.radius, sphere.radius) * 1.001;
+  camera.near_plane = std::max((depth - sphere.radius) * 0.999, kNearest * camera.far_plane);
+}
+
+// The part of the image plane that the scene covers, at the distance 1 of a perspective camera.
+struct Covered {
+  double left = INFINITY, right = -INFINITY, low = INFINITY, high = -INFINITY;
+};
+Covered covered_by(const Mesh& mesh, const Camera& camera) {
+  Covered covered;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) {
+      const Vec3d offset = to_double(mesh.positions[vertex]) - camera.eye;
+      const double depth = dot(offset, camera.forward);
+      const double x = dot(offset, camera.right) / depth;
+      const double y = dot(offset, camera.up) / depth;
+      covered.left = std::min(covered.left, x);
+      covered.right = std::max(covered.right, x);
+      covered.low = std::min(covered.low, y);
+      covered.high = std::max(covered.high, y);
+    }
+  }
+  return covered;
+}
+
+// Turns the camera to the middle of what it sees, and sets the angle of view so that the scene fills the image
+// but for a small margin. The camera is outside of the bounding sphere.
+void fill_image(const Scene& scene, Camera& camera) {
+  constexpr double kMargin = 1.04;
+  constexpr int kTurns = 4;  // each halves the distance from the middle many times over
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const Covered seen = covered_by(scene.mesh, camera);
+    const Vec3d up = camera.up;
+    camera.forward = normalized(camera.forward + camera.right * (0.5 * (seen.left + seen.right)) +
+                                camera.up * (0.5 * (seen.low + seen.high)));
+    camera.right = normalized(cross(camera.forward, up));
+    camera.up = cross(camera.right, camera.forward);
+  }
+  const Covered seen = covered_by(scene.mesh, camera);
+  const double across = std::max(-seen.left, seen.right) * camera.height / camera.width;
+  const double upward = std::max(-seen.low, seen.high);
+  const double half_height = kMargin * std::max(across, upward);
+  if (half_height > 0) camera.half_height = half_height;
+  fit_depths(scene.sphere, camera);
+}
+
+}  // namespace
+
+Camera camera_from(const std::string& text, const LensOptions& lens, const Model& model, const Scene& scene,
+                   std::uint32_t width, std::uint32_t height) {
+  const bool of_file = is_file_camera(text);
+  if (of_file && !lens.target.empty())
+    throw Error(ErrorKind::bad_argument, "--target: a camera of the file looks where the file says");
+  Camera camera = of_file ? file_camera(model, text.substr(kFileCamera.size()), scene, width, height)
+                          : look_at_sphere(scene.sphere, parse_camera(text), width, height);
+  if (lens.fov && !camera.perspective)
+    throw Error(ErrorKind::bad_argument, "--fov: the camera is orthographic and has no angle of view");
+  if (!lens.target.empty()) {
+    camera.eye += parse_target(lens.target) - scene.origin - scene.sphere.center;
+    if (camera.perspective) fit_depths(scene.sphere, camera);
+  } else if (fits(text) && !lens.fov) {
+    fill_image(scene, camera);
+  }
+  if (lens.fov) camera.half_height = std::tan(*lens.fov * std::numbers::pi / 360);
+  camera.half_height /= lens.zoom;
+  if (lens.near_plane) {
+    if (*lens.near_plane >= camera.far_plane)
+      throw Error(ErrorKind::bad_argument, "--near: the whole scene is nearer to the camera");
+    camera.near_plane = *lens.near_plane;
+  }
+  return camera;
 }
 
 namespace {
@@ -110,10 +222,7 @@ std::vector<Shot> read_camera_path(const std::string& path) {
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::vector<Shot> shots;
   std::size_t number = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
+  for (const std::string& line : text_lines(text)) {
     ++number;
     const std::string camera = trimmed(line.substr(0, line.find('#')));
     if (camera.empty()) continue;
@@ -123,8 +232,8 @@ std::vector<Shot> read_camera_path(const std::string& path) {
       parse_camera(shots.back().camera);
     } catch (const Error&) {
       throw Error(ErrorKind::bad_input,
-                  fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION,DISTANCE, and "
-                              "maybe the time",
+                  fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION or "
+                              "AZIMUTH,ELEVATION,DISTANCE, and maybe the time",
                               path, number, camera));
     }
   }

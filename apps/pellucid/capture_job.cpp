@@ -268,7 +268,7 @@ void render_capture(const CaptureJob& job, Session& session) {
     if (taken.empty())
       for (const std::string& note : stage.notes()) session.note(note);
     stop_if_signalled();
-    const Camera camera = camera_from(shot.camera, model, stage.scene(), job.width, job.height);
+    const Camera camera = camera_from(shot.camera, job.lens, model, stage.scene(), job.width, job.height);
     const RenderResult result = stage.draw(camera, renderer ? &*renderer : nullptr, session);
     stop_if_signalled();
     const auto numbered = [&, number = taken.size() + 1](const std::string& name) {

@@ -7,6 +7,7 @@
 #include "camera_options.h"
 #include "pellucid/metric.h"
 #include "pellucid/render.h"
+#include "camera_options.h"
 #include "pellucid/scene.h"
 #include "session.h"
 
@@ -14,6 +15,7 @@ namespace pellucid::cli {
 
 struct CaptureJob {
   std::string input, output, camera_text;
+  LensOptions lens;
   std::string animation;       // name or number; empty: at rest
   double time = 0;             // seconds, in the animation
   std::vector<Shot> shots;     // several numbered images; empty: one, from camera_text

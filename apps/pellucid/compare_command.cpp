@@ -219,6 +219,7 @@ void add_compare_command(CLI::App& app, Chosen& chosen) {
       ->type_name("")
       ->capture_default_str()
       ->group(kCameraGroup);
+  add_lens_options(*command, o.capture.lens);
   command
       ->add_option(
           "-o,--output", o.output,

@@ -282,12 +282,12 @@ DrawnScene open_scene(const Model& model, const CaptureJob& job) {
   const Scene scene = make_scene(model);
   DrawnScene drawn{model.path,
                    make_render_scene(model, scene, job.surfaces, job.look),
-                   look_at_sphere(scene.sphere, parse_camera(job.camera_text), job.width, job.height),
+                   camera_from(job.camera_text, job.lens, model, scene, job.width, job.height),
                    {}};
   std::vector<Shot> shots = orbit(job.camera_text, kFlickerStepsOfATurn);
   shots.resize(std::min<std::size_t>(shots.size(), job.flicker));
   for (const Shot& shot : shots)
-    drawn.turn.push_back(look_at_sphere(scene.sphere, parse_camera(shot.camera), job.width, job.height));
+    drawn.turn.push_back(camera_from(shot.camera, job.lens, model, scene, job.width, job.height));
   if (!job.ignore_orders) drawn.scene.draw_order = drawing_order(scene, drawn.camera, {});
   return drawn;
 }

@@ -159,22 +159,11 @@ bool is_up_to_date(const BatchJob& job) {
 std::vector<std::string> read_path_list(const std::string& file) {
   const std::vector<std::byte> bytes = read_file(file);
   std::vector<std::string> paths;
-  std::string line;
-  const auto end_line = [&] {
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t'))
-      line.pop_back();
+  for (std::string line : text_lines({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+    while (!line.empty() && (line.back() == ' ' || line.back() == '\t')) line.pop_back();
     const std::size_t first = line.find_first_not_of(" \t");
     if (first != std::string::npos && line[first] != '#') paths.push_back(line.substr(first));
-    line.clear();
-  };
-  for (const std::byte byte : bytes) {
-    if (static_cast<char>(byte) == '\n') {
-      end_line();
-    } else {
-      line += static_cast<char>(byte);
-    }
   }
-  end_line();
   return paths;
 }
 

@@ -28,7 +28,7 @@ struct RenderCommand {
   std::string technique = "cpu";
   OrderImage order = OrderImage::exact;
   std::string order_name = "exact";
-  std::string camera = "30,20,3";
+  std::string camera = "30,20";
   std::uint32_t orbit = 0;  // number of images around the scene; 0: one image
   std::string path;         // file with the cameras of several images
   std::string size = "1280x720";
@@ -128,12 +128,14 @@ void run_render(const RenderCommand& options, Session& session) {
   const Stopwatch watch;
   const Size size = parse_size(options.size);
   const Viewpoint viewpoint = parse_camera(options.camera);
-  const Scene scene = make_scene(open_model(options.input, session));
+  const Model model = open_model(options.input, session);
+  const Scene scene = make_scene(model);
   if (options.order == OrderImage::buffers || options.order == OrderImage::error) {
     require_orders(scene, options.input);
   }
   stop_if_signalled();
-  const Camera camera = look_at_sphere(scene.sphere, viewpoint, size.width, size.height);
+  const Camera camera =
+      camera_from(options.camera, options.capture.lens, model, scene, size.width, size.height);
   const FragmentBuffer fragments = scene_fragments(scene, camera);
   stop_if_signalled();
 
@@ -221,11 +223,12 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
   add_capture_options(*command, o.capture);
   command
       ->add_option("--camera", o.camera,
-                   "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf), or file:NAME or "
-                   "file:NUMBER of a camera of the file")
+                   "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf); without a distance, the "
+                   "scene fills the image; or file:NAME or file:NUMBER of a camera of the file")
       ->type_name("")
       ->capture_default_str()
       ->group(kCameraGroup);
+  add_lens_options(*command, o.capture.lens);
   CLI::Option* orbit =
       command
           ->add_option("--orbit", o.orbit,

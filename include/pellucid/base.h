@@ -231,4 +231,8 @@ struct Image {
 // Returns a number with a comma after every three digits: "12,345".
 std::string format_count(std::uint64_t count);
 
+// Returns the lines of a text without their ends. LF, CR and CRLF each end a line, and a byte order mark of
+// UTF-8 is skipped.
+std::vector<std::string> text_lines(std::string_view text);
+
 }  // namespace pellucid

@@ -1,8 +1,10 @@
 // pellucid/material.h - module `asset`: reads how the surfaces of a model look: colours, opacity, textures.
 //
 // In: a model that read_model() returned. Out: plain data. It is read and decoded only on demand, because
-// ordering a mesh does not need it. Format: glTF 2.0, sections 3.8 and 3.9, and KHR_texture_transform. OBJ
-// files give diffuse colours and opacities, without textures.
+// ordering a mesh does not need it. Format: glTF 2.0, sections 3.8 and 3.9, KHR_texture_transform,
+// KHR_materials_unlit, KHR_materials_emissive_strength, the diffuse part of
+// KHR_materials_pbrSpecularGlossiness, and KHR_materials_transmission as opacity. One note names what else of
+// the materials is not drawn. OBJ and PLY files give diffuse colours, opacities, vertex colours and textures.
 #pragma once
 
 #include <array>
@@ -34,8 +36,11 @@ struct PrimitiveLook {
   AlphaMode alpha_mode = AlphaMode::blend;
   std::array<float, 4> base_color{1, 1, 1, 1};  // linear; multiplied by texture and vertex colours
   float alpha_cutoff = 0.5F;                    // for AlphaMode::mask
+  bool unlit = false;                           // the colour is what is seen, without light
+  std::array<float, 3> emissive{0, 0, 0};       // linear; added to what light makes
   std::optional<std::uint32_t> texture;         // index into Materials::textures
-  std::vector<std::array<float, 2>> texcoords;  // one per vertex, transformed; empty without a texture
+  std::optional<std::uint32_t> emissive_texture;  // multiplies `emissive`
+  std::vector<std::array<float, 2>> texcoords;  // of both, one per vertex, transformed; empty without a texture
   std::vector<std::array<float, 4>> colors;     // one per vertex, linear; empty: all 1
 };
 

@@ -181,6 +181,9 @@ struct Surface {
   // fragments at their depth or behind it.
   bool opaque = false;
   std::optional<std::uint32_t> texture{};  // index into RenderScene::textures; multiplies colour and alpha
+  bool unlit = false;                      // the colour is what is seen, without light
+  Vec3f emissive{0, 0, 0};                 // linear; added to what light makes
+  std::optional<std::uint32_t> emissive_texture{};  // multiplies `emissive`
   float cutoff = 0;  // where vertex colours and texture leave less opacity than this, nothing is drawn
 };
 

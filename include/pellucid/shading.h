@@ -26,6 +26,8 @@ enum class Shading { lit, depth };
 struct SurfaceLook {
   Vec3f color{0.09F, 0.34F, 0.68F};
   double alpha = 0.5;
+  bool unlit = false;       // the colour is what is seen, and the opacity does not depend on the view
+  Vec3f emissive{0, 0, 0};  // linear RGB that is added to what light makes
 };
 
 // How all fragments of an image are shaded.
@@ -70,7 +72,7 @@ class FragmentShader {
     Vec3d origin, direction;
   };
   [[nodiscard]] Ray ray_through(std::uint64_t pixel) const;
-  [[nodiscard]] ShadedFragment shade_lit(const Ray& ray, NodeId node, const Vec3f& color,
+  [[nodiscard]] ShadedFragment shade_lit(const Ray& ray, NodeId node, const SurfaceLook& look,
                                          double log2_transmittance) const;
   [[nodiscard]] ShadedFragment shade_depth(const Fragment& fragment) const;
   // Returns the unit normal, interpolated where the ray meets the triangle, on the side that the node shows.

@@ -18,7 +18,9 @@ struct Surface {
   uint texture_number;  // kNone: no texture
   float cutoff;
   uint is_opaque;
-  uint unused;
+  uint is_unlit;
+  vec3 emissive;
+  uint emissive_texture;  // kNone: no texture
 };
 layout(std430, set = 0, binding = SLOT_TRIANGLES) readonly buffer Triangles { TriangleInfo triangles[]; };
 layout(std430, set = 0, binding = SLOT_SURFACES) readonly buffer Surfaces { Surface surfaces[]; };
@@ -115,16 +117,25 @@ float seen_opacity(Surface surface, float alpha, float facing) {
   return translucent ? 1.0 - exp2(log2(1.0 - alpha) / max(facing, 0.2)) : 1.0;
 }
 
+// Returns the light that the surface gives off by itself.
+vec3 emitted(Surface surface) {
+  vec3 light = surface.emissive;
+  if (has_feature(kColored) && surface.emissive_texture != kNone)
+    light *= sample_texture(surface.emissive_texture, texcoord, texcoord_dx, texcoord_dy).rgb;
+  return light;
+}
+
 vec4 lit_color() {
   const Surface surface = surface_here();
   const vec4 base = base_color(surface);
+  if (surface.is_unlit != 0u) return vec4(base.rgb + emitted(surface), surface.is_opaque != 0u ? 1.0 : base.a);
   const vec3 to_eye = direction_to_eye();
   const vec3 normal = seen_normal(to_eye);
   const float facing = clamp(dot(normal, to_eye), 0.0, 1.0);
   const float fill = max(dot(normal, frame.fill_light.xyz), 0.0);
   const float highlight = max(dot(normal, normalize(frame.fill_light.xyz + to_eye)), 0.0);
   const float gloss = 0.35 * to_the_48th(highlight);
-  const vec3 color = base.rgb * (0.2 + 0.62 * facing + 0.45 * fill) + vec3(gloss);
+  const vec3 color = base.rgb * (0.2 + 0.62 * facing + 0.45 * fill) + vec3(gloss) + emitted(surface);
   return vec4(color, seen_opacity(surface, base.a, facing));
 }
 

@@ -80,7 +80,7 @@ void FragmentShader::shade(std::uint64_t pixel, std::span<const Fragment> fragme
   for (const Fragment& f : fragments) {
     const std::uint32_t look =
         options_.triangle_looks.empty() ? 0 : options_.triangle_looks[triangle_of(f.node)];
-    shaded.push_back(lit ? shade_lit(ray, f.node, options_.looks[look].color, log2_transmittances_[look])
+    shaded.push_back(lit ? shade_lit(ray, f.node, options_.looks[look], log2_transmittances_[look])
                          : shade_depth(f));
   }
 }
@@ -90,7 +90,7 @@ void FragmentShader::shade(std::uint64_t pixel, std::span<const Fragment> fragme
   const Ray ray = ray_through(pixel);
   shaded.clear();
   for (std::size_t i = 0; i < fragments.size(); ++i)
-    shaded.push_back(shade_lit(ray, fragments[i].node, looks[i].color, std::log2(1 - looks[i].alpha)));
+    shaded.push_back(shade_lit(ray, fragments[i].node, looks[i], std::log2(1 - looks[i].alpha)));
 }
 
 Vec3d FragmentShader::blend(std::span<const ShadedFragment> front_to_back) const {
@@ -139,8 +139,9 @@ Vec3d FragmentShader::normal_at(const Ray& ray, NodeId node) const {
   return flipped_towards(normal, shown);
 }
 
-ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const Vec3f& color,
+ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const SurfaceLook& look,
                                          double log2_transmittance) const {
+  if (look.unlit) return {to_double(look.color) + to_double(look.emissive), look.alpha, node};
   const Vec3d normal = normal_at(ray, node);
   const Vec3d to_eye = -ray.direction;
   const double facing = std::clamp(dot(normal, to_eye), 0.0, 1.0);
@@ -150,7 +151,7 @@ ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const Vec3
   const double diffuse = kAmbient + kHeadlight * facing + kFill * fill;
   const double gloss = kHighlight * to_the_48th(highlight);
   const double alpha = 1 - std::exp2(log2_transmittance / std::max(facing, kGrazingCosine));
-  return {to_double(color) * diffuse + Vec3d{gloss, gloss, gloss}, alpha, node};
+  return {to_double(look.color) * diffuse + Vec3d{gloss, gloss, gloss} + to_double(look.emissive), alpha, node};
 }
 
 ShadedFragment FragmentShader::shade_depth(const Fragment& fragment) const {

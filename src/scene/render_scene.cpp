@@ -31,6 +31,9 @@ Surface surface_of(const PrimitiveLook& file, const SurfaceLook& uniform) {
   surface.alpha = c[3];
   surface.opaque = file.alpha_mode != AlphaMode::blend;
   surface.texture = file.texture;
+  surface.unlit = file.unlit;
+  surface.emissive = {file.emissive[0], file.emissive[1], file.emissive[2]};
+  surface.emissive_texture = file.emissive_texture;
   if (file.alpha_mode == AlphaMode::mask) surface.cutoff = file.alpha_cutoff;
   return surface;
 }
@@ -103,15 +106,17 @@ void append_in_order(const std::vector<std::uint32_t>& ranks, std::uint32_t firs
 
 // Returns which of its overdraw orders draws a primitive, and nothing for animations that the orders were not
 // made for.
-std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Camera& camera,
+std::optional<std::uint32_t> overdraw_order(const OrderSet& set, const Vec3d& origin, const Camera& camera,
                                             const ScenePose& pose) {
+  // Overdraw orders of a file are made in world space.
+  const Vec3d eye = camera.eye + origin;
   if (!pose.animation) {
-    return select_order(set, camera.perspective ? camera.eye - set.sphere.center : -camera.forward);
+    return select_order(set, camera.perspective ? eye - set.sphere.center : -camera.forward);
   }
   for (std::size_t i = 0; i < set.animations.size(); ++i) {
     const KeyFrameTable& table = set.animations[i];
     if (table.animation != *pose.animation) continue;
-    if (camera.perspective) return select_order_at(set, i, pose.time, camera.eye);
+    if (camera.perspective) return select_order_at(set, i, pose.time, eye);
     return select_order(set, i, nearest_key_frame(table, pose.time), -camera.forward);
   }
   return std::nullopt;
@@ -129,7 +134,7 @@ std::vector<OverdrawObject> overdraw_objects(const Scene& scene, const Camera& c
   for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
     const std::optional<OrderSet>& set = scene.primitives[scene.objects[o].primitive].overdraw_orders;
     if (!set) continue;
-    const std::optional<std::uint32_t> order = overdraw_order(*set, camera, pose);
+    const std::optional<std::uint32_t> order = overdraw_order(*set, scene.origin, camera, pose);
     if (order) chosen.push_back({o, *order, set->model_ranks.empty() ? 0 : set->model_ranks[*order]});
   }
   std::stable_sort(chosen.begin(), chosen.end(),

@@ -80,9 +80,73 @@ TEST(CameraText, IsAzimuthElevationAndDistance) {
   EXPECT_NEAR(parse_camera("orbit:90,0,2").direction.x, 1, 1e-12);
   EXPECT_NEAR(parse_camera("0,90,inf").direction.y, 1, 1e-12);
   EXPECT_TRUE(std::isinf(parse_camera("0,90,inf").distance));
-  for (const char* bad : {"", "1,2", "1,2,x", "1,2,3,4", "nan,0,3", "1,inf,3", "1,2,1", "1,2,nan"}) {
+  EXPECT_EQ(parse_camera("0,0,0.5").distance, 0.5);
+  EXPECT_TRUE(fits("30,20"));
+  EXPECT_FALSE(fits("30,20,3"));
+  EXPECT_FALSE(fits("file:a,b"));
+  for (const char* bad : {"", "1", "1,x", "1,2,x", "1,2,3,4", "nan,0,3", "1,inf,3", "1,2,0", "1,2,nan"}) {
     EXPECT_THROW(parse_camera(bad), Error) << bad;
   }
+}
+
+// ------------------------------------------------------------------------------------------ lenses of cameras
+
+Scene scene_of(const std::string& sample) {
+  return make_scene(make_model(make_sample(sample, 0.1), sample));
+}
+
+// The part of the image that the scene's vertices span, of its width and of its height: 1 is all of it.
+std::array<double, 2> spanned(const Scene& scene, const Camera& camera) {
+  double x = 0, y = 0;
+  for (const Vec3f& position : scene.mesh.positions) {
+    const Vec3d offset = to_double(position) - camera.eye;
+    const double depth = camera.perspective ? dot(offset, camera.forward) : 1;
+    x = std::max(x, std::abs(dot(offset, camera.right) / depth));
+    y = std::max(y, std::abs(dot(offset, camera.up) / depth));
+  }
+  return {x * camera.height / (camera.width * camera.half_height), y / camera.half_height};
+}
+
+TEST(CameraLens, WithoutADistanceTheSceneFillsTheImage) {
+  for (const char* sample : {"goblet", "torus-knot", "coplanar-stack"}) {
+    const Scene scene = scene_of(sample);
+    for (const auto& [width, height] : {std::array{640U, 480U}, {300U, 900U}, {1200U, 200U}}) {
+      for (const char* view : {"30,20", "0,0", "120,-85"}) {
+        const auto [x, y] = spanned(scene, camera_from(view, {}, {}, scene, width, height));
+        EXPECT_LE(std::max(x, y), 1) << sample << " " << view << " " << width;
+        EXPECT_GE(std::max(x, y), 0.95) << sample << " " << view << " " << width;
+      }
+    }
+  }
+}
+
+TEST(CameraLens, OptionsSayTargetAngleZoomAndNearPlane) {
+  const Scene scene = scene_of("goblet");
+  const Camera plain = camera_from("30,20,3", {}, {}, scene, 640, 480);
+  LensOptions lens;
+  lens.zoom = 2;
+  EXPECT_DOUBLE_EQ(camera_from("30,20,3", lens, {}, scene, 640, 480).half_height, plain.half_height / 2);
+  lens = {};
+  lens.fov = 60;
+  EXPECT_NEAR(camera_from("30,20,3", lens, {}, scene, 640, 480).half_height, std::tan(0.5235987755982988), 1e-12);
+  EXPECT_THROW(camera_from("30,20,inf", lens, {}, scene, 640, 480), Error);
+  lens = {};
+  lens.near_plane = 0.25;
+  EXPECT_EQ(camera_from("30,20,3", lens, {}, scene, 640, 480).near_plane, 0.25);
+  lens.near_plane = 1e9;
+  EXPECT_THROW(camera_from("30,20,3", lens, {}, scene, 640, 480), Error);
+  lens = {};
+  lens.target = "1,-2,0.5";
+  const Camera moved = camera_from("30,20,3", lens, {}, scene, 640, 480);
+  // The ray through the middle of the image meets the target.
+  const Vec3d to_target = Vec3d{1, -2, 0.5} - scene.origin - moved.eye;
+  EXPECT_NEAR(dot(normalized(to_target), moved.forward), 1, 1e-12);
+  for (const char* bad : {"1,2", "1,2,x", "1,2,3,4", "nan,0,0"}) {
+    lens.target = bad;
+    EXPECT_THROW(camera_from("30,20,3", lens, {}, scene, 640, 480), Error) << bad;
+  }
+  lens.target = "0,0,0";
+  EXPECT_THROW(camera_from("file:0", lens, {}, scene, 640, 480), Error);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // Implements pellucid/material.h for glTF: reads materials, textures and vertex colours of a model.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "asset/formats/foreign_model.h"
 #include "asset/formats/images.h"
@@ -21,6 +23,11 @@ struct TextureUse {
   // KHR_texture_transform: coordinates are scaled, rotated (radians, counter-clockwise), then translated.
   std::array<double, 2> scale{1, 1}, offset{0, 0};
   double rotation = 0;
+
+  [[nodiscard]] bool same_coordinates(const TextureUse& other) const {
+    return texcoord == other.texcoord && scale == other.scale && offset == other.offset &&
+           rotation == other.rotation;
+  }
 };
 
 std::array<float, 2> transformed(const TextureUse& use, float u, float v) {
@@ -48,6 +55,7 @@ class MaterialReader {
       look.base_color = primitive.base_color;
       if (primitive.triangles) read_primitive(primitive, look);
     }
+    note_what_is_not_drawn();
     return std::move(result_);
   }
 
@@ -66,10 +74,65 @@ class MaterialReader {
     const Fields material = root_.element("materials", *index);
     look.alpha_cutoff = static_cast<float>(material.number_or("alphaCutoff", 0.5));
     let_light_through(material, look);
-    const std::optional<TextureUse> use = find_texture(material);
+    look.unlit = material.extension("KHR_materials_unlit").has_value();
+    const std::optional<TextureUse> base = base_texture(material);
+    if (base) look.texcoords = read_texcoords(fields, *base, vertices);
+    if (!look.texcoords.empty()) look.texture = base->texture;
+    read_emission(fields, material, base, vertices, look);
+    list_what_is_not_drawn(material);
+  }
+
+  // Reads the light that a surface gives off. Both textures of a surface share one set of coordinates.
+  void read_emission(const Fields& fields, const Fields& material, const std::optional<TextureUse>& base,
+                     std::size_t vertices, PrimitiveLook& look) {
+    const std::vector<double> factor = material.numbers("emissiveFactor", 3);
+    if (look.unlit || factor.empty() || !(factor[0] > 0 || factor[1] > 0 || factor[2] > 0)) return;
+    const auto extension = material.extension("KHR_materials_emissive_strength");
+    const double strength = extension ? extension->number_or("emissiveStrength", 1) : 1;
+    for (std::size_t k = 0; k < 3; ++k) look.emissive.at(k) = static_cast<float>(factor[k] * strength);
+    const auto info = material.find_object("emissiveTexture");
+    if (!info) return;
+    const std::optional<TextureUse> use = use_of(*info);
     if (!use) return;
-    look.texcoords = read_texcoords(fields, *use, vertices);
-    if (!look.texcoords.empty()) look.texture = use->texture;
+    if (look.texcoords.empty()) look.texcoords = read_texcoords(fields, *use, vertices);
+    const bool same = !look.texture || base->same_coordinates(*use);
+    if (same && !look.texcoords.empty()) {
+      look.emissive_texture = use->texture;
+    } else {
+      not_drawn_.insert("emissive textures with coordinates of their own");
+      look.emissive = {0, 0, 0};
+    }
+  }
+
+  // Keeps what a material asks for and the renderer does not draw.
+  void list_what_is_not_drawn(const Fields& material) {
+    if (material.extension("KHR_materials_unlit")) return;
+    if (material.has("normalTexture")) not_drawn_.insert("normal maps");
+    if (material.has("occlusionTexture")) not_drawn_.insert("occlusion maps");
+    const bool glossy = material.extension("KHR_materials_pbrSpecularGlossiness").has_value();
+    if (glossy) not_drawn_.insert("specular colour and glossiness");
+    if (const auto pbr = material.find_object("pbrMetallicRoughness"); pbr && !glossy) {
+      const bool map = pbr->has("metallicRoughnessTexture");
+      if (map || (pbr->has("metallicFactor") && pbr->number("metallicFactor") > 0)) not_drawn_.insert("metal");
+      if (map || pbr->has("roughnessFactor")) not_drawn_.insert("roughness");
+    }
+    constexpr std::array<const char*, 10> kExtensions{
+        "KHR_materials_clearcoat",   "KHR_materials_sheen",      "KHR_materials_anisotropy",
+        "KHR_materials_iridescence", "KHR_materials_specular",   "KHR_materials_volume",
+        "KHR_materials_dispersion",  "KHR_materials_ior",        "KHR_materials_diffuse_transmission",
+        "KHR_materials_variants"};
+    for (const char* name : kExtensions) {
+      if (material.extension(name)) not_drawn_.insert(name);
+    }
+    if (material.extension("KHR_materials_transmission"))
+      not_drawn_.insert("refraction (transmission is drawn as opacity)");
+  }
+
+  void note_what_is_not_drawn() {
+    if (not_drawn_.empty()) return;
+    std::string list;
+    for (const std::string& what : not_drawn_) list += (list.empty() ? "" : ", ") + what;
+    result_.notes.push_back("of its materials these are not drawn: " + list);
   }
 
   // A transmissive surface lets light through whatever its alpha mode is. It is therefore blended, and keeps
@@ -124,13 +187,21 @@ class MaterialReader {
     return texcoords;
   }
 
-  std::optional<TextureUse> find_texture(const Fields& material) {
-    const auto pbr = material.find_object("pbrMetallicRoughness");
-    const auto info = pbr ? pbr->find_object("baseColorTexture") : std::nullopt;
-    if (!info) return {};
+  std::optional<TextureUse> base_texture(const Fields& material) {
+    std::optional<Fields> info;
+    if (const auto glossy = material.extension("KHR_materials_pbrSpecularGlossiness")) {
+      info = glossy->find_object("diffuseTexture");
+    } else if (const auto pbr = material.find_object("pbrMetallicRoughness")) {
+      info = pbr->find_object("baseColorTexture");
+    }
+    return info ? use_of(*info) : std::nullopt;
+  }
+
+  // Reads how a material uses a texture. Returns nothing if its image cannot be read.
+  std::optional<TextureUse> use_of(const Fields& info) {
     TextureUse use;
-    use.texcoord = info->index_or("texCoord", 0);
-    if (const auto transform = info->extension("KHR_texture_transform")) {
+    use.texcoord = info.index_or("texCoord", 0);
+    if (const auto transform = info.extension("KHR_texture_transform")) {
       use.texcoord = transform->index_or("texCoord", use.texcoord);
       const std::vector<double> scale = transform->numbers("scale", 2);
       const std::vector<double> offset = transform->numbers("offset", 2);
@@ -138,7 +209,7 @@ class MaterialReader {
       std::copy(offset.begin(), offset.end(), use.offset.begin());
       use.rotation = transform->number_or("rotation", 0);
     }
-    const std::optional<std::uint32_t> texture = texture_of(info->index("index"));
+    const std::optional<std::uint32_t> texture = texture_of(info.index("index"));
     if (!texture) return {};
     use.texture = *texture;
     return use;
@@ -269,6 +340,7 @@ class MaterialReader {
   Materials result_;
   // Indexed by their numbers in the file; empty if they cannot be read.
   std::map<std::uint64_t, std::optional<std::uint32_t>> textures_, images_;
+  std::set<std::string> not_drawn_;
 };
 
 }  // namespace

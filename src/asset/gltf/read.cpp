@@ -105,10 +105,14 @@ void read_material(const Fields& root, const Fields& fields, Primitive& primitiv
   primitive.alpha_mode = parse_alpha_mode(material);
   primitive.double_sided = material.flag_or("doubleSided", false);
   primitive.material_name = short_name(material.text_or("name", ""));
-  if (const auto pbr = material.find_object("pbrMetallicRoughness")) {
-    const std::vector<double> color = pbr->numbers("baseColorFactor", 4);
-    for (std::size_t k = 0; k < color.size(); ++k) primitive.base_color[k] = static_cast<float>(color[k]);
+  // Where both models of a material are there, the extension is the better one.
+  std::vector<double> color;
+  if (const auto glossy = material.extension("KHR_materials_pbrSpecularGlossiness")) {
+    color = glossy->numbers("diffuseFactor", 4);
+  } else if (const auto pbr = material.find_object("pbrMetallicRoughness")) {
+    color = pbr->numbers("baseColorFactor", 4);
   }
+  for (std::size_t k = 0; k < color.size(); ++k) primitive.base_color[k] = static_cast<float>(color[k]);
 }
 
 // Returns the mode of a primitive, or 4 (triangles) if it has none.

@@ -29,9 +29,11 @@ void check_looks(const RenderScene& scene) {
   if (!fits(scene.texcoords.size()) || !fits(scene.colors.size()))
     complain("a scene has texture coordinates and colours for every position, or for none");
   for (const Surface& s : scene.surfaces) {
-    if (s.texture && *s.texture >= scene.textures.size())
-      complain("a surface has a texture that is not there");
-    if (s.texture && scene.texcoords.empty()) complain("a textured scene has texture coordinates");
+    for (const std::optional<std::uint32_t>& texture : {s.texture, s.emissive_texture}) {
+      if (texture && *texture >= scene.textures.size())
+        complain("a surface has a texture that is not there");
+      if (texture && scene.texcoords.empty()) complain("a textured scene has texture coordinates");
+    }
   }
 }
 
@@ -143,7 +145,10 @@ GpuSurface gpu_surface(const Surface& s) {
   return {.color = {s.color.x, s.color.y, s.color.z, std::clamp(s.alpha, 0.0F, 1.0F)},
           .texture = s.texture.value_or(kNone),
           .cutoff = s.cutoff,
-          .opaque = s.opaque ? 1U : 0U};
+          .opaque = s.opaque ? 1U : 0U,
+          .unlit = s.unlit ? 1U : 0U,
+          .emissive = {s.emissive.x, s.emissive.y, s.emissive.z},
+          .emissive_texture = s.emissive_texture.value_or(kNone)};
 }
 
 // Returns six numbers per vertex: texture coordinates and colour.

@@ -56,7 +56,9 @@ struct GpuSurface {
   std::array<float, 4> color{};  // colour and alpha
   std::uint32_t texture = 0;     // 0xFFFFFFFF: no texture
   float cutoff = 0;
-  std::uint32_t opaque = 0, unused = 0;
+  std::uint32_t opaque = 0, unlit = 0;
+  std::array<float, 3> emissive{};
+  std::uint32_t emissive_texture = 0;  // 0xFFFFFFFF: no texture
 };
 
 // Checks the scene and copies it. Throws Error{bad_argument} if its members do not fit together.

@@ -130,8 +130,13 @@ std::optional<SurfaceLook> SurfaceSampler::look_at(std::uint64_t pixel, NodeId n
   if (!scene_.colors.empty()) color = times(color, vertex_color(center, triangle));
   if (surface.texture) color = times(color, texture_color(*surface.texture, center, triangle));
   if (surface.cutoff > 0 && color[3] < static_cast<double>(surface.cutoff)) return std::nullopt;
+  const Vec3d strength = to_double(surface.emissive);
+  Color emissive{strength.x, strength.y, strength.z, 1};
+  if (surface.emissive_texture)
+    emissive = times(emissive, texture_color(*surface.emissive_texture, center, triangle));
   return SurfaceLook{to_float({color[0], color[1], color[2]}),
-                     surface.opaque ? 1.0 : std::clamp(color[3], 0.0, 1.0)};
+                     surface.opaque ? 1.0 : std::clamp(color[3], 0.0, 1.0), surface.unlit,
+                     to_float({emissive[0], emissive[1], emissive[2]})};
 }
 
 }  // namespace pellucid::render

@@ -256,10 +256,6 @@ void test_pairs_scalar(const ScreenTriangles& screen, std::span<const CandidateP
   }
 }
 
-// The weight of the order of coincident faces, as a share of that of other faces with the same overlap. Such an
-// order shows no wrong depth, so it gives way to any that does.
-constexpr float kPaintedShare = 0.1F;
-
 bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triangle>& triangles,
                          CandidatePair pair, std::vector<PairEdge>& edges) {
   const Vec3d origin = screen.vertices[triangles[triangle_of(screen.nodes[pair.a])][0]];
@@ -301,11 +297,6 @@ bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triang
   }
   if (a_nearer) edges.push_back({pair.a, pair.b, area});
   if (b_nearer) edges.push_back({pair.b, pair.a, area});
-  if (!a_nearer && !b_nearer) {
-    // Painted layers: what the file draws later lies in front, unless something else decides.
-    const bool a_later = triangle_of(screen.nodes[pair.a]) > triangle_of(screen.nodes[pair.b]);
-    edges.push_back({a_later ? pair.a : pair.b, a_later ? pair.b : pair.a, kPaintedShare * area});
-  }
   return false;
 }
 

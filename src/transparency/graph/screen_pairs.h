@@ -117,7 +117,7 @@ void test_pairs_scalar(const ScreenTriangles& screen, std::span<const CandidateP
                        std::vector<PairEdge>& edges, std::vector<CandidatePair>& doubtful);
 
 // Tests one pair in double precision by polygon clipping. Faces that intersect each cover a part of the other
-// and make two edges. Of coincident faces the later one in the mesh is in front, with a tenth of the area. Returns whether the pair intersects.
+// and make two edges. Coincident faces make none. Returns whether the pair intersects.
 bool test_pair_precisely(const ScreenTriangles& screen, const std::vector<Triangle>& triangles,
                          CandidatePair pair, std::vector<PairEdge>& edges);
 

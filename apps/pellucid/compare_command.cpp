@@ -143,6 +143,7 @@ void run_compare(const CompareCommand& command, Session& session) {
     session.set_subject(input);
     begin_stage(session.progress(), "reading", 0);
     DrawnScene drawn = open_scene(open_model(input, session), job);
+    for (const std::string& note : drawn.notes) session.note(note);
     stop_if_signalled();
     report.scenes.push_back(compare_techniques(renderer, drawn, options, session));
     report.scenes.back().camera = command.camera;

@@ -280,10 +280,12 @@ std::uint64_t count_fragments(Renderer& renderer, const DrawnScene& drawn, const
 
 DrawnScene open_scene(const Model& model, const CaptureJob& job) {
   const Scene scene = make_scene(model);
+  std::vector<std::string> notes;
   DrawnScene drawn{model.path,
-                   make_render_scene(model, scene, job.surfaces, job.look),
+                   make_render_scene(model, scene, job.surfaces, job.look, &notes),
                    camera_from(job.camera_text, job.lens, model, scene, job.width, job.height),
                    {}};
+  drawn.notes = std::move(notes);
   std::vector<Shot> shots = orbit(job.camera_text, kFlickerStepsOfATurn);
   shots.resize(std::min<std::size_t>(shots.size(), job.flicker));
   for (const Shot& shot : shots)

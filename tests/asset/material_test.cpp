@@ -221,6 +221,55 @@ TEST_F(MaterialFiles, TransmissionIsBlended) {
   EXPECT_EQ(materials.primitives.at(0).base_color[3], 0.25F);
 }
 
+TEST_F(MaterialFiles, ReadsUnlitAndEmissiveSurfaces) {
+  HandMade file = textured();
+  embed(file, png_of(3, 2));
+  Json& material = file.json["materials"][0];
+  material["emissiveFactor"] = {0.5, 0.25, 0};
+  material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 4;
+  material["emissiveTexture"] = material["pbrMetallicRoughness"]["baseColorTexture"];
+  const Materials lit = read(file);
+  EXPECT_EQ(lit.primitives.at(0).emissive, (std::array<float, 3>{2, 1, 0}));
+  EXPECT_EQ(lit.primitives[0].emissive_texture, lit.primitives[0].texture);
+  EXPECT_FALSE(lit.primitives[0].unlit);
+  EXPECT_TRUE(lit.notes.empty());
+  // A texture with other coordinates cannot be drawn beside the base colour's.
+  material["emissiveTexture"]["extensions"]["KHR_texture_transform"]["scale"] = {3, 3};
+  EXPECT_THAT(read(file).notes, ::testing::ElementsAre(::testing::HasSubstr("emissive textures")));
+  material["extensions"]["KHR_materials_unlit"] = Json::object();
+  const Materials unlit = read(file);
+  EXPECT_TRUE(unlit.primitives.at(0).unlit);
+  EXPECT_EQ(unlit.primitives[0].emissive, (std::array<float, 3>{0, 0, 0}));
+  EXPECT_TRUE(unlit.notes.empty());
+}
+
+TEST_F(MaterialFiles, ReadsTheDiffusePartOfSpecularGlossiness) {
+  HandMade file = textured();
+  embed(file, png_of(3, 2));
+  Json& material = file.json["materials"][0];
+  Json glossy;
+  glossy["diffuseFactor"] = {0.5, 0.25, 1, 0.75};
+  glossy["diffuseTexture"] = material["pbrMetallicRoughness"]["baseColorTexture"];
+  material["extensions"]["KHR_materials_pbrSpecularGlossiness"] = glossy;
+  material.erase("pbrMetallicRoughness");
+  const Materials materials = read(file);
+  EXPECT_EQ(materials.primitives.at(0).base_color, (std::array<float, 4>{0.5F, 0.25F, 1, 0.75F}));
+  EXPECT_EQ(materials.primitives[0].texture, 0U);
+}
+
+TEST_F(MaterialFiles, OneNoteNamesWhatIsNotDrawn) {
+  HandMade file = textured();
+  embed(file, png_of(3, 2));
+  Json& material = file.json["materials"][0];
+  material["normalTexture"] = material["pbrMetallicRoughness"]["baseColorTexture"];
+  material["pbrMetallicRoughness"]["metallicFactor"] = 1;
+  material["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+  material["extensions"]["KHR_materials_clearcoat"]["clearcoatFactor"] = 1;
+  EXPECT_THAT(read(file).notes,
+              ::testing::ElementsAre("of its materials these are not drawn: KHR_materials_clearcoat, metal, "
+                                     "normal maps, roughness"));
+}
+
 TEST_F(MaterialFiles, NamesDamagedImages) {
   for (const Bytes& whole : images_of_all_formats()) {
     for (const std::size_t kept : {std::size_t{12}, whole.size() / 2, whole.size() - 20}) {

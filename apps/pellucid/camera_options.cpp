@@ -22,7 +22,9 @@ double parse_number(const std::string& item, const std::string& whole) {
   if (item.empty() || rest != item.c_str() + item.size() || !std::isfinite(value)) {
     throw Error(
         ErrorKind::bad_argument,
-        fmt::format("--camera: '{}' is not azimuth,elevation or azimuth,elevation,distance (degrees, degrees, radii)", whole));
+        fmt::format(
+            "--camera: '{}' is not azimuth,elevation or azimuth,elevation,distance (degrees, degrees, radii)",
+            whole));
   }
   return value;
 }
@@ -59,7 +61,8 @@ void add_lens_options(CLI::App& command, LensOptions& lens) {
   constexpr const char* kGroup = "Camera";
   command
       .add_option("--target", lens.target,
-                  "What the camera looks at and goes round, in the file's coordinates (default: the middle of the scene)")
+                  "What the camera looks at and goes round, in the file's coordinates (default: the middle "
+                  "of the scene)")
       ->type_name("X,Y,Z")
       ->group(kGroup);
   command.add_option("--zoom", lens.zoom, "Enlarge the image by this factor")
@@ -67,11 +70,15 @@ void add_lens_options(CLI::App& command, LensOptions& lens) {
       ->type_name("X")
       ->capture_default_str()
       ->group(kGroup);
-  command.add_option("--fov", lens.fov, "Vertical angle of view in degrees (default: what shows the whole scene)")
+  command
+      .add_option("--fov", lens.fov,
+                  "Vertical angle of view in degrees (default: what shows the whole scene)")
       ->check(CLI::Range(0.01, 179.0))
       ->type_name("DEGREES")
       ->group(kGroup);
-  command.add_option("--near", lens.near_plane, "Draw nothing nearer to the camera than this, in the file's units")
+  command
+      .add_option("--near", lens.near_plane,
+                  "Draw nothing nearer to the camera than this, in the file's units")
       ->check(CLI::PositiveNumber)
       ->type_name("X")
       ->group(kGroup);
@@ -122,8 +129,8 @@ Covered covered_by(const Mesh& mesh, const Camera& camera) {
   return covered;
 }
 
-// Turns the camera to the middle of what it sees, and sets the angle of view so that the scene fills the image
-// but for a small margin. The camera is outside of the bounding sphere.
+// Turns the camera to the middle of what it sees, and sets the angle of view so that the scene fills the
+// image but for a small margin. The camera is outside of the bounding sphere.
 void fill_image(const Scene& scene, Camera& camera) {
   constexpr double kMargin = 1.04;
   constexpr int kTurns = 4;  // each halves the distance from the middle many times over
@@ -231,10 +238,9 @@ std::vector<Shot> read_camera_path(const std::string& path) {
     try {
       parse_camera(shots.back().camera);
     } catch (const Error&) {
-      throw Error(ErrorKind::bad_input,
-                  fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION or "
-                              "AZIMUTH,ELEVATION,DISTANCE, and maybe the time",
-                              path, number, camera));
+      throw Error(ErrorKind::bad_input, fmt::format("{}:{}: '{}' is no camera: AZIMUTH,ELEVATION or "
+                                                    "AZIMUTH,ELEVATION,DISTANCE, and maybe the time",
+                                                    path, number, camera));
     }
   }
   if (shots.empty()) throw Error(ErrorKind::bad_input, path + ": there are no cameras in it");

@@ -16,8 +16,8 @@
 namespace pellucid::cli {
 
 // Reads "orbit:30,20,3" or "30,20,3": azimuth and elevation in degrees, and distance in bounding radii (or
-// inf), which may lie inside the bounding sphere. Without a distance ("30,20") it is kFitDistance, see fits().
-// Throws Error{bad_argument}.
+// inf), which may lie inside the bounding sphere. Without a distance ("30,20") it is kFitDistance, see
+// fits(). Throws Error{bad_argument}.
 Viewpoint parse_camera(const std::string& text);
 
 // A camera without a distance is turned and zoomed until the scene fills the image.
@@ -26,9 +26,9 @@ bool fits(const std::string& text);
 
 // What else there is to say about a camera.
 struct LensOptions {
-  std::string target;         // "X,Y,Z" in the coordinates of the file: what the camera looks at and goes round
-  double zoom = 1;            // enlarges the image
-  std::optional<double> fov;  // vertical angle of view in degrees
+  std::string target;  // "X,Y,Z" in the coordinates of the file: what the camera looks at and goes round
+  double zoom = 1;     // enlarges the image
+  std::optional<double> fov;         // vertical angle of view in degrees
   std::optional<double> near_plane;  // in the units of the file: nothing nearer is drawn
 };
 // Adds --target, --zoom, --fov and --near.

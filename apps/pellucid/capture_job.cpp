@@ -188,10 +188,7 @@ std::vector<Shot> shots_of(const CaptureJob& job) {
 class Stage {
  public:
   Stage(const CaptureJob& job, const Model& model)
-      : job_(job),
-        model_(model),
-        rest_(make_scene(model)),
-        options_(job.options) {
+      : job_(job), model_(model), rest_(make_scene(model)), options_(job.options) {
     options_.budget.maps = !job.maps.empty();
     options_.budget.importance.image = read_importance(job.importance_image);
   }

@@ -7,7 +7,6 @@
 #include "camera_options.h"
 #include "pellucid/metric.h"
 #include "pellucid/render.h"
-#include "camera_options.h"
 #include "pellucid/scene.h"
 #include "session.h"
 

@@ -15,7 +15,7 @@ struct DrawnScene {
   std::string input;
   RenderScene scene;
   Camera camera;
-  std::vector<Camera> turn{};  // for --flicker: around the scene, beginning at `camera`
+  std::vector<Camera> turn{};        // for --flicker: around the scene, beginning at `camera`
   std::vector<std::string> notes{};  // what of the surfaces could not be read or is not drawn
 };
 DrawnScene open_scene(const Model& model, const CaptureJob& job);

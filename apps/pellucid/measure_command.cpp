@@ -260,7 +260,8 @@ void run_measure(MeasureCommandOptions options, Session& session) {
   begin_stage(session.progress(), "reading", 0);
   std::vector<Input> inputs = read_inputs(options, session);
   std::optional<Input> original;
-  if (!options.original.empty()) original = read_input(options.original, "original", false, options.simplify, session);
+  if (!options.original.empty())
+    original = read_input(options.original, "original", false, options.simplify, session);
   std::vector<const Mesh*> originals;
   for (std::size_t k = 0; k < inputs.front().primitives.size(); ++k) {
     const bool unordered = !inputs.front().primitives[k].orders;

@@ -260,8 +260,7 @@ void add_mesh_options(CLI::App& command, OrderCommandOptions& o) {
               {"duplicated", FacingChoice::duplicated}},
              "Order front faces only, or both (default auto: by the material's doubleSided)")
       ->group(group);
-  command.add_flag("--all", o.selection.all, "Order also primitives that are not BLEND")
-      ->group(group);
+  command.add_flag("--all", o.selection.all, "Order also primitives that are not BLEND")->group(group);
   command.add_option("--material", o.selection.material, "Order only primitives with this material")
       ->type_name("NAME")
       ->group(group);

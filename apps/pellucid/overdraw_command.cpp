@@ -241,8 +241,8 @@ OverdrawReport new_report(const OverdrawCommandOptions& options, const PosedSubj
   return report;
 }
 
-// Prepares a model of a format other than glTF. A mesh without a material, and a material that is ordered, get
-// what makes the orders valid.
+// Prepares a model of a format other than glTF. A mesh without a material, and a material that is ordered,
+// get what makes the orders valid.
 void prepare(Model& model, SidesChoice sides) {
   if (is_gltf(model)) return;
   for (Primitive& primitive : model.primitives) {

@@ -222,9 +222,10 @@ void add_render_command(CLI::App& app, Chosen& chosen) {
       ->group(kTechniqueGroup);
   add_capture_options(*command, o.capture);
   command
-      ->add_option("--camera", o.camera,
-                   "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf); without a distance, the "
-                   "scene fills the image; or file:NAME or file:NUMBER of a camera of the file")
+      ->add_option(
+          "--camera", o.camera,
+          "AZIMUTH,ELEVATION,DISTANCE in degrees and bounding radii (or inf); without a distance, the "
+          "scene fills the image; or file:NAME or file:NUMBER of a camera of the file")
       ->type_name("")
       ->capture_default_str()
       ->group(kCameraGroup);

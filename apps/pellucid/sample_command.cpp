@@ -60,17 +60,20 @@ void write_sample(Session& session, const SampleOptions& options) {
 
 void add_sample_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SampleOptions>();
-  CLI::App* command = add_command(app, chosen, "sample", "Write a procedural sample scene",
-                                  "  pellucid sample --list\n"
-                                  "  pellucid sample goblet -o goblet.glb\n"
-                                  "  pellucid sample torus-knot -o knot.glb --detail 4",
-                                  1, [options](Session& session) {
-                                    if (options->list) {
-                                      list_samples(session, *options);
-                                    } else {
-                                      write_sample(session, *options);
-                                    }
-                                  }, Reads::nothing);
+  CLI::App* command = add_command(
+      app, chosen, "sample", "Write a procedural sample scene",
+      "  pellucid sample --list\n"
+      "  pellucid sample goblet -o goblet.glb\n"
+      "  pellucid sample torus-knot -o knot.glb --detail 4",
+      1,
+      [options](Session& session) {
+        if (options->list) {
+          list_samples(session, *options);
+        } else {
+          write_sample(session, *options);
+        }
+      },
+      Reads::nothing);
   options->command = command;
   command->add_option("NAME", options->name, "Name of the sample (see --list)")->type_name("");
   command->add_option("-o,--output", options->output, "The file to write: .glb or .gltf")

@@ -21,8 +21,8 @@ struct Selection {
 };
 
 // Chooses the primitives to order: triangle primitives that do not deform. It chooses those drawn with BLEND,
-// or all if there is none. A mesh without a material counts as BLEND. Throws Error{nothing_to_do} if nothing is left, and
-// Error{bad_argument} for a material that the file does not have.
+// or all if there is none. A mesh without a material counts as BLEND. Throws Error{nothing_to_do} if nothing
+// is left, and Error{bad_argument} for a material that the file does not have.
 Selection select_primitives(const Model& model, const SelectionOptions& options);
 
 }  // namespace pellucid::cli

@@ -99,10 +99,11 @@ void list_techniques(const DeviceOptions& options, Session& session) {
 
 void add_techniques_command(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DeviceOptions>();
-  CLI::App* command = add_command(app, chosen, "techniques", "List every technique that render knows",
-                                  "  pellucid techniques\n"
-                                  "  pellucid techniques --json -",
-                                  1, [options](Session& session) { list_techniques(*options, session); }, Reads::nothing);
+  CLI::App* command = add_command(
+      app, chosen, "techniques", "List every technique that render knows",
+      "  pellucid techniques\n"
+      "  pellucid techniques --json -",
+      1, [options](Session& session) { list_techniques(*options, session); }, Reads::nothing);
   command->add_option("--device", options->device, "Vulkan device, by a part of its name")
       ->type_name("NAME")
       ->group(kTechniqueGroup);

@@ -137,7 +137,8 @@ struct WriteReport {
   std::uint64_t file_bytes = 0;   // all files written
   std::uint64_t order_bytes = 0;  // those of the orders and their table as stored, without a fallback copy
   std::vector<std::string> files;
-  std::vector<std::string> notes;  // textures that are missing, and files of an earlier run that are not used now
+  std::vector<std::string>
+      notes;  // textures that are missing, and files of an earlier run that are not used now
 };
 // Writes `model` with the given orders as .glb or .gltf, by the extension of `path`. Models of other formats
 // get a minimal document of their own. The file holds exactly the given orders. Orders that came with `model`

@@ -34,14 +34,15 @@ struct ModelTexture {
 struct PrimitiveLook {
   bool known = false;  // the file says something about it
   AlphaMode alpha_mode = AlphaMode::blend;
-  std::array<float, 4> base_color{1, 1, 1, 1};  // linear; multiplied by texture and vertex colours
-  float alpha_cutoff = 0.5F;                    // for AlphaMode::mask
-  bool unlit = false;                           // the colour is what is seen, without light
-  std::array<float, 3> emissive{0, 0, 0};       // linear; added to what light makes
-  std::optional<std::uint32_t> texture;         // index into Materials::textures
+  std::array<float, 4> base_color{1, 1, 1, 1};    // linear; multiplied by texture and vertex colours
+  float alpha_cutoff = 0.5F;                      // for AlphaMode::mask
+  bool unlit = false;                             // the colour is what is seen, without light
+  std::array<float, 3> emissive{0, 0, 0};         // linear; added to what light makes
+  std::optional<std::uint32_t> texture;           // index into Materials::textures
   std::optional<std::uint32_t> emissive_texture;  // multiplies `emissive`
-  std::vector<std::array<float, 2>> texcoords;  // of both, one per vertex, transformed; empty without a texture
-  std::vector<std::array<float, 4>> colors;     // one per vertex, linear; empty: all 1
+  std::vector<std::array<float, 2>>
+      texcoords;                             // of both, one per vertex, transformed; empty without a texture
+  std::vector<std::array<float, 4>> colors;  // one per vertex, linear; empty: all 1
 };
 
 struct Materials {

@@ -151,7 +151,8 @@ ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const Surf
   const double diffuse = kAmbient + kHeadlight * facing + kFill * fill;
   const double gloss = kHighlight * to_the_48th(highlight);
   const double alpha = 1 - std::exp2(log2_transmittance / std::max(facing, kGrazingCosine));
-  return {to_double(look.color) * diffuse + Vec3d{gloss, gloss, gloss} + to_double(look.emissive), alpha, node};
+  return {to_double(look.color) * diffuse + Vec3d{gloss, gloss, gloss} + to_double(look.emissive), alpha,
+          node};
 }
 
 ShadedFragment FragmentShader::shade_depth(const Fragment& fragment) const {

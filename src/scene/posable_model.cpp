@@ -193,8 +193,8 @@ struct PosableData {
  private:
   // Returns the matrix that places a part without a skin.
   [[nodiscard]] Affine world_of(const PartMotion& part, const std::vector<Affine>& worlds) const;
-  // Makes a matrix lead to positions that are relative to the origin. The difference is rounded to float32, so
-  // that it does not depend on how far from the world's origin both are.
+  // Makes a matrix lead to positions that are relative to the origin. The difference is rounded to float32,
+  // so that it does not depend on how far from the world's origin both are.
   void make_relative(Affine& matrix) const;
   // Returns the matrices of the joints of the skin that the part follows.
   [[nodiscard]] std::vector<Affine> palette_of(const PartMotion& part,

@@ -62,6 +62,22 @@ bool is_finite(const Mat4& a) {
   return std::all_of(a.m.begin(), a.m.end(), [](double number) { return std::isfinite(number); });
 }
 
+// Rotations leave rounding where a scale is zero, so volumes and areas are judged by the lengths of the columns.
+constexpr double kNothing = 1e-12;
+
+// Returns whether a matrix makes everything flat, or even smaller.
+bool is_flat(const Mat4& a, const Cofactors& c) {
+  const double volume = length(column(a, 0)) * length(column(a, 1)) * length(column(a, 2));
+  return !std::isnormal(c.determinant) || std::abs(c.determinant) <= kNothing * volume;
+}
+
+// Returns whether a matrix makes everything a line or a point.
+bool is_line(const Mat4& a, const Cofactors& c) {
+  const double longest = std::max({length(column(a, 0)), length(column(a, 1)), length(column(a, 2))});
+  const double area = std::max({length(c.row0), length(c.row1), length(c.row2)});
+  return !std::isnormal(area) || area <= kNothing * longest * longest;
+}
+
 // Moves the target of a matrix to an origin. The difference is rounded to float32, so that it does not depend
 // on how far from the world's origin both are.
 Mat4 relative_to(const Vec3d& origin, Mat4 world) {
@@ -79,14 +95,13 @@ void append_object(const Model& model, std::uint32_t number, bool by_joints, Sce
   const Mesh& local = scene.primitives[primitive].mesh;
   if (local.triangles.empty()) return;
   if (!by_joints && !is_finite(instance.world)) {
-    throw Error(ErrorKind::bad_input, fmt::format("{}: node '{}': its world matrix is not finite", model.path,
-                                                  instance.node_name));
+    throw Error(ErrorKind::bad_input,
+                fmt::format("{}: node '{}': its world matrix is not finite", model.path, instance.node_name));
   }
   const Mat4 world = by_joints ? Mat4{} : relative_to(scene.origin, instance.world);
   const Cofactors c = cofactors(world);
-  const bool has_inverse = std::isnormal(c.determinant);
-  const double area = std::max({length(c.row0), length(c.row1), length(c.row2)});
-  if (!has_inverse && !std::isnormal(area)) return;
+  const bool has_inverse = !is_flat(world, c);
+  if (!has_inverse && is_line(world, c)) return;
   const auto first_vertex = static_cast<std::uint32_t>(scene.mesh.positions.size());
   const bool mirrored = c.determinant < 0;
   scene.objects.push_back({primitive, static_cast<std::uint32_t>(scene.mesh.triangles.size()), first_vertex,
@@ -243,6 +258,7 @@ Vec3d scene_origin(const Model& model) {
   for (const Instance& instance : model.instances) {
     const Mesh& mesh = model.primitives[instance.primitive].mesh;
     if (mesh.triangles.empty() || !is_finite(instance.world)) continue;
+    if (is_line(instance.world, cofactors(instance.world))) continue;  // not drawn
     // Vertices that are far from their node keep what precision they have.
     const BoundingSphere sphere = bounding_sphere(mesh);
     const bool far = length(sphere.center) > kFar * sphere.radius;

@@ -186,8 +186,8 @@ class Orderer {
     result_.statistics.seconds.graph = stage_.lap();
   }
 
-  // Makes the result of a mesh that one order draws right from everywhere. Further buffers, if options ask for
-  // them, would be the same.
+  // Makes the result of a mesh that one order draws right from everywhere. Further buffers, if options ask
+  // for them, would be the same.
   OrderResult simple_result(SimpleOrder simple) {
     result_.statistics.simple = true;
     result_.statistics.regions = 1;

@@ -43,7 +43,7 @@ struct Heights {
   double low = 0, high = 0;
 };
 Heights heights_over(const Plane& plane, const Mesh& mesh, const std::vector<std::uint32_t>& vertices,
-                   double thickness) {
+                     double thickness) {
   Heights heights;
   for (const std::uint32_t vertex : vertices) {
     const double height = dot(plane.normal, to_double(mesh.positions[vertex])) - plane.offset;
@@ -72,7 +72,9 @@ bool has_single_faces(const Mesh& mesh, const std::vector<Plane>& planes, double
   std::vector<std::uint8_t> doubled(planes.size(), 0);
   for (std::uint32_t t = 0; t < planes.size(); ++t) {
     const Plane& p = planes[t];
-    const auto step = [&](double value) { return static_cast<std::int64_t>(std::llround(value * kPlaneSteps)); };
+    const auto step = [&](double value) {
+      return static_cast<std::int64_t>(std::llround(value * kPlaneSteps));
+    };
     const auto [entry, is_new] =
         first.try_emplace({step(p.normal.x), step(p.normal.y), step(p.normal.z), step(p.offset / radius)}, t);
     if (is_new) continue;

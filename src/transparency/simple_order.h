@@ -18,7 +18,8 @@ struct SimpleOrder {
 
 // Returns the order of a mesh whose faces never hide each other in a way that depends on the view:
 // - All faces lie in one plane. What the file draws later lies in front, as painted.
-// - All faces lie on the hull of the mesh. Faces that show their outer side lie in front of all that show their
+// - All faces lie on the hull of the mesh. Faces that show their outer side lie in front of all that show
+// their
 //   inner side, and neither overlap among themselves.
 // Returns nothing for other meshes. Takes O(V * T) for a hull, and hardly more than O(V) if it is none.
 std::optional<SimpleOrder> find_simple_order(const Mesh& mesh, const BoundingSphere& sphere, Facing facing);

@@ -122,9 +122,9 @@ TEST(HostileStl, SaysWhatIsMissing) {
   const std::string facet = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
   EXPECT_EQ(complaint("a.stl", facet), ": line 6: the file ends where 'vertex' or 'endloop' should be");
   EXPECT_EQ(complaint("a.stl", facet + "vertex 0 one 0\n"), ": line 6: expected a coordinate, found 'one'");
-  EXPECT_EQ(complaint("a.stl", facet + "endfacet\n"),
-            ": line 6: expected 'end loop', found 'endfacet'");
-  EXPECT_EQ(complaint("a.stl", "solid x\nfacet abnormal\n"), ": line 3: the file ends where 'outer loop' should be");
+  EXPECT_EQ(complaint("a.stl", facet + "endfacet\n"), ": line 6: expected 'end loop', found 'endfacet'");
+  EXPECT_EQ(complaint("a.stl", "solid x\nfacet abnormal\n"),
+            ": line 3: the file ends where 'outer loop' should be");
   EXPECT_EQ(complaint("a.stl", "solid x\n"), ": line 2: the file ends where 'facet' or 'endsolid' should be");
   EXPECT_EQ(complaint("a.stl", "solid x\nendsolid\nmore\n"), ": line 3: expected 'solid', found 'more'");
 }

@@ -298,7 +298,8 @@ TEST(GltfBuffers, DecodesDataUris) {
   EXPECT_THAT(error_of([&] { read_model(file.save(folder / "short.gltf")); }),
               ::testing::HasSubstr("buffers[0]: it is cut off"));
   file.json["buffers"][0]["uri"] = "data:;base64,!!!!";
-  EXPECT_THAT(error_of([&] { read_model(file.save(folder / "bad.gltf")); }), ::testing::HasSubstr("malformed"));
+  EXPECT_THAT(error_of([&] { read_model(file.save(folder / "bad.gltf")); }),
+              ::testing::HasSubstr("malformed"));
   // Percent-encoding, alone and around base64, with upper case and a parameter.
   std::string escaped = "DATA:application/octet-stream;charset=x,";
   for (const std::byte byte : file.buffer) {

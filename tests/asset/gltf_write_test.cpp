@@ -155,6 +155,93 @@ TEST(Minimal, NoGeometryIsNothingToDo) {
               ::testing::HasSubstr("no geometry"));
 }
 
+// ------------------------------------------------------------------------------ textures beside the model
+
+// A pyramid in a folder of its own, with these images beside it.
+class TexturesBeside : public ::testing::Test {
+ protected:
+  TexturesBeside() {
+    for (const char* name : {"in", "in/model", "in/model/tex", "out"}) fs::create_directory(folder_ / name);
+    write("in/model/tex/pane one.png", "\x89PNG one");
+    write("in/shared.png", "\x89PNG shared");
+    HandMade file = pyramid();
+    file.json["images"] =
+        Json::array({{{"uri", "tex/pane%20one.png"}}, {{"uri", "../shared.png"}}, {{"uri", "none.png"}}});
+    model_ = read_model(file.save(folder_ / "in/model/a.gltf"));
+  }
+  void write(const std::string& name, const std::string& text) {
+    Bytes bytes(text.size());
+    std::memcpy(bytes.data(), text.data(), text.size());
+    write_file_atomically(folder_ / name, bytes);
+  }
+  WriteReport written(const std::string& name, bool embed = false) {
+    WriteOptions options;
+    options.embed_textures = embed;
+    return write_model(model_, {}, folder_ / name, options);
+  }
+  static Json images_of(const std::string& path) {
+    const std::string text = file_text(path);
+    return path.ends_with(".glb") ? json_of(path)["images"] : Json::parse(text)["images"];
+  }
+
+  TempFolder folder_;
+  Model model_;
+};
+
+TEST_F(TexturesBeside, FollowAGltfIntoAnotherFolder) {
+  const WriteReport report = written("out/a.gltf");
+  EXPECT_EQ(file_text(folder_ / "out/tex/pane one.png"), "\x89PNG one");
+  EXPECT_EQ(file_text(folder_ / "out/shared.png"), "\x89PNG shared") << "never outside of the folder";
+  const Json images = images_of(folder_ / "out/a.gltf");
+  EXPECT_EQ(images[0]["uri"], "tex/pane%20one.png");
+  EXPECT_EQ(images[1]["uri"], "shared.png");
+  EXPECT_THAT(report.notes, ::testing::ElementsAre(::testing::HasSubstr("'none.png' is missing")));
+  EXPECT_THAT(report.files, ::testing::Contains(folder_ / "out/tex/pane one.png"));
+  // The same again changes nothing.
+  written("out/a.gltf");
+  EXPECT_EQ(images_of(folder_ / "out/a.gltf"), images);
+}
+
+TEST_F(TexturesBeside, NeverReplaceAFileWithOtherContent) {
+  write("out/shared.png", "mine");
+  written("out/a.gltf");
+  EXPECT_EQ(file_text(folder_ / "out/shared.png"), "mine");
+  EXPECT_EQ(file_text(folder_ / "out/shared-2.png"), "\x89PNG shared");
+  EXPECT_EQ(images_of(folder_ / "out/a.gltf")[1]["uri"], "shared-2.png");
+}
+
+TEST_F(TexturesBeside, BecomePartOfAGlbAndOfAnyFileOnRequest) {
+  for (const auto& [name, embed] :
+       {std::pair{"out/a.glb", false}, {"out/b.gltf", true}, {"in/model/c.glb", true}}) {
+    written(name, embed);
+    const Json images = images_of(folder_ / name);
+    for (const std::size_t i : {0U, 1U}) {
+      EXPECT_FALSE(images[i].contains("uri")) << name;
+      EXPECT_EQ(images[i]["mimeType"], "image/png") << name;
+      EXPECT_TRUE(images[i].contains("bufferView")) << name;
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "out/tex"));
+}
+
+TEST_F(TexturesBeside, StayWhereTheyAreBesideTheSource) {
+  written("in/model/b.gltf");
+  EXPECT_EQ(images_of(folder_ / "in/model/b.gltf")[1]["uri"], "../shared.png");
+}
+
+TEST(SideFiles, OfAnEarlierRunAreNamed) {
+  const TempFolder folder;
+  const Model model = read_model(pyramid().save(folder / "a.glb"));
+  Random random(6);
+  const OrderSet set = random_orders(random, model.primitives[0].mesh, {}, 2, Facing::duplicated);
+  WriteOptions options;
+  options.split_buffer = true;
+  EXPECT_TRUE(write_model(model, {{0, set, {}}}, folder / "b.glb", options).notes.empty());
+  options.split_buffer = false;
+  EXPECT_THAT(write_model(model, {{0, set, {}}}, folder / "b.glb", options).notes,
+              ::testing::ElementsAre(::testing::HasSubstr("b.orders.bin is of an earlier run")));
+}
+
 // ------------------------------------------------------------------------------------------------ failures
 
 TEST(CannotWrite, SaysWhyAndLeavesNothing) {

@@ -197,19 +197,24 @@ TEST_F(FieldCases, SolidsAreCutTheSameWhateverTheirSides) {
           << effect << " by " << technique;
 }
 
-TEST_F(FieldCases, OnePoolOfVerticesIsHeldOnce) {
-  const std::string json = folder_.file("shared.json");
-  said({"inspect", input("shared-vertices-62k-200-primitives.glb"), "--json", json});
-  said({"render", input("shared-vertices-62k-200-primitives.glb"), "-o", folder_.file("shared.png"), "--size",
-        "160x120", "--json", json});
-  EXPECT_LT(parse_json_file(json)["peak_rss_bytes"].get<double>(), 200e6);
+TEST_F(FieldCases, PrimitivesWhoseFacesNeverOverlapNeedNoSearch) {
+  const std::string json = folder_.file("many.json");
+  said({"order", input("many-500-tiny-primitives.glb"), "-o", folder_.file("many.glb"), "--json", json});
+  const Model model = read_model(folder_.file("many.glb"));
+  ASSERT_EQ(model.primitives.size(), 500U);
+  for (const Primitive& primitive : model.primitives) {
+    ASSERT_TRUE(primitive.orders.has_value());
+    EXPECT_EQ(primitive.orders->orders.size(), 1U);
+  }
+  EXPECT_EQ(parse_json_file(json)["primitives"][0]["viewpoints"], 0);
 }
 
 TEST_F(FieldCases, MaterialsAreDrawnOrNoted) {
-  const std::string said_of_it =
+  const std::string notes =
       said({"render", input("materials.gltf"), "-o", folder_.file("m.png"), "--surfaces", "file"});
-  EXPECT_EQ(said_of_it.find("unlit"), std::string::npos) << said_of_it;
-  EXPECT_NE(slurp(folder_.file("m.png")), "");
+  for (const char* what : {"metal", "roughness"}) EXPECT_NE(notes.find(what), std::string::npos) << notes;
+  for (const char* what : {"unlit", "emissive", "texture_transform"})
+    EXPECT_EQ(notes.find(what), std::string::npos) << notes;
 }
 
 }  // namespace

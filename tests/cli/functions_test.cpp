@@ -89,7 +89,8 @@ TEST(CameraText, IsAzimuthElevationAndDistance) {
   }
 }
 
-// ------------------------------------------------------------------------------------------ lenses of cameras
+// ------------------------------------------------------------------------------------------ lenses of
+// cameras
 
 Scene scene_of(const std::string& sample) {
   return make_scene(make_model(make_sample(sample, 0.1), sample));
@@ -128,7 +129,8 @@ TEST(CameraLens, OptionsSayTargetAngleZoomAndNearPlane) {
   EXPECT_DOUBLE_EQ(camera_from("30,20,3", lens, {}, scene, 640, 480).half_height, plain.half_height / 2);
   lens = {};
   lens.fov = 60;
-  EXPECT_NEAR(camera_from("30,20,3", lens, {}, scene, 640, 480).half_height, std::tan(0.5235987755982988), 1e-12);
+  EXPECT_NEAR(camera_from("30,20,3", lens, {}, scene, 640, 480).half_height, std::tan(0.5235987755982988),
+              1e-12);
   EXPECT_THROW(camera_from("30,20,inf", lens, {}, scene, 640, 480), Error);
   lens = {};
   lens.near_plane = 0.25;

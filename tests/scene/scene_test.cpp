@@ -157,6 +157,11 @@ TEST(Scene, SkipsWhatIsSmallerThanAPlaneAndDrawsWhatIsFlat) {
     model.instances[0].world = nothing;
     EXPECT_EQ(make_scene(model).objects.size(), 1U);
   }
+  // A line below a rotation, where zeros are rounding.
+  Mat4 turned = placed(1, 1, 1, {});
+  turned.m = {0.6, 0.8, 0, 0, 0.8e-17, -0.6e-17, 1e-17, 0, 1e-18, 0, 1e-17, 0, 0, 0, 0, 1};
+  model.instances[0].world = turned;
+  EXPECT_EQ(make_scene(model).objects.size(), 1U);
   model.instances[0].world.m[12] = std::nan("");
   EXPECT_THROW(make_scene(model), Error);
   model.instances.clear();

@@ -80,8 +80,10 @@ class ForeignMaterials {
 
 }  // namespace
 
-std::string find_texture(Model& model, const std::string& owner, const std::string& name) {
+std::string find_texture(Model& model, const std::string& owner, const std::string& name,
+                         const std::string& other_path) {
   std::string path = find_beside(model.path, name);
+  if (path.empty() && !other_path.empty()) path = find_beside(other_path, name);
   if (!path.empty() && begins_as_image(path)) return path;
   model.notes.push_back(owner + "the texture " + in_quotes(name) +
                         (path.empty() ? " is missing" : " is neither PNG nor JPEG and is left out"));

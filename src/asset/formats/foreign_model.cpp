@@ -1,5 +1,5 @@
-// Implements foreign_model.h: limits, names of files, colours, normals and notes. Polygons become triangles in
-// triangulate.cpp.
+// Implements foreign_model.h: limits, names of files, colours, normals and notes. Polygons become triangles
+// in triangulate.cpp.
 #include "asset/formats/foreign_model.h"
 
 #include <algorithm>
@@ -81,9 +81,21 @@ std::array<float, 4> vertex_color(float red, float green, float blue, float alph
   const auto unit = [](float x) { return x >= 0 ? std::min(double{x}, 1.0) : 0.0; };
   const auto linear = [&](float x) {
     const double encoded = unit(x);
-    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92
+                                                 : std::pow((encoded + 0.055) / 1.055, 2.4));
   };
   return {linear(red), linear(green), linear(blue), static_cast<float>(unit(alpha))};
+}
+
+void finish_colors(std::vector<std::array<float, 4>>& colors) {
+  float largest = 0;
+  for (const auto& color : colors) largest = std::max({largest, color[0], color[1], color[2], color[3]});
+  const float unit = largest > 1 ? 255.0F : 1.0F;
+  for (auto& c : colors) {
+    const bool none = c[0] < 0 && c[1] < 0 && c[2] < 0;
+    if (none) c = {unit, unit, unit, c[3]};
+    c = vertex_color(c[0] / unit, c[1] / unit, c[2] / unit, c[3] < 0 ? 1 : c[3] / unit);
+  }
 }
 
 void set_alpha_mode(Primitive& primitive, bool states_opacity) {

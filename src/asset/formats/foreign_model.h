@@ -40,10 +40,10 @@ void require_fits(std::uint64_t count, std::uint64_t least_bytes_each, std::uint
 
 // Appends the triangles of one polygon, always corners - 2 of them (none below three corners). Quadrilaterals
 // are split along the diagonal for which both halves face the same way. Other concave polygons are split by
-// ear clipping, seen along their normal, with exact predicates: the triangles of a simple polygon cover exactly
-// its area, also where holes are joined to the outline by edges that are walked twice. Polygons that intersect
-// themselves give some triangles of their corners. Takes O(n) for convex polygons, and expected O(n log n)
-// for others. All indices must be in range.
+// ear clipping, seen along their normal, with exact predicates: the triangles of a simple polygon cover
+// exactly its area, also where holes are joined to the outline by edges that are walked twice. Polygons that
+// intersect themselves give some triangles of their corners. Takes O(n) for convex polygons, and expected O(n
+// log n) for others. All indices must be in range.
 void triangulate(std::span<const std::uint32_t> corners, std::span<const Vec3f> positions,
                  std::vector<Triangle>& triangles);
 
@@ -64,6 +64,11 @@ void add_primitive(Model& model, Primitive primitive);
 // shows (sRGB), 0..1, with linear opacity. Values outside, and NaN, are clamped.
 std::array<float, 4> vertex_color(float red, float green, float blue, float alpha);
 
+// Replaces vertex colours as they stand in a file by vertex_color() of them. They are either numbers up to 1,
+// or, where some is greater, bytes. A negative opacity means that the vertex has none, and three negative
+// colours that it has no colour, which is white.
+void finish_colors(std::vector<std::array<float, 4>>& colors);
+
 // Sets the opacity that the file states: its material (base colour), or vertex colours of which some are
 // translucent. `states_opacity`: the file has a material for the primitive.
 void set_alpha_mode(Primitive& primitive, bool states_opacity);
@@ -73,9 +78,10 @@ void set_alpha_mode(Primitive& primitive, bool states_opacity);
 // there is no such file; devices and pipes do not count.
 std::string find_beside(const std::string& model_path, std::string_view name);
 
-// Returns the path of an image as find_beside() does. Where it is missing, or neither PNG nor JPEG, returns an
-// empty text and adds a note that begins with `owner`.
-std::string find_texture(Model& model, const std::string& owner, const std::string& name);
+// Returns the path of an image as find_beside() does, beside the model or beside `other_path`. Where it is
+// missing, or neither PNG nor JPEG, returns an empty text and adds a note that begins with `owner`.
+std::string find_texture(Model& model, const std::string& owner, const std::string& name,
+                         const std::string& other_path = {});
 
 // Returns the looks of a model of a format other than glTF. See read_materials().
 Materials read_foreign_materials(const Model& model, const MaterialOptions& options);
@@ -88,8 +94,9 @@ struct ObjMaterial {
   // The diffuse colour, and the opacity from `d` or, without it, 1 - `Tr`. MeshLab writes `Tr 1` without `d`
   // for opaque materials, so that combination is ignored.
   std::array<float, 4> base_color{1, 1, 1, 1};
-  std::string texture;      // name of the image of the diffuse colour (map_Kd), without options
-  std::string opacity_map;  // name of the image of the opacity (map_d)
+  std::string texture;         // name of the image of the diffuse colour (map_Kd), without options
+  std::string opacity_map;     // name of the image of the opacity (map_d)
+  std::string library;         // path of the MTL file
   bool moves_texture = false;  // with options that scale or move it
 };
 using ObjMaterials = std::map<std::string, ObjMaterial, std::less<>>;  // by name

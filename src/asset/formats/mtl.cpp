@@ -1,5 +1,5 @@
-// Reads the materials of OBJ files (Wavefront MTL): diffuse colour, opacity and texture. Ignores lines that it
-// does not understand.
+// Reads the materials of OBJ files (Wavefront MTL): diffuse colour, opacity and texture. Ignores lines that
+// it does not understand.
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -42,8 +42,8 @@ void read_transparency(TextCursor& cursor, ObjMaterial& material, bool has_disso
   if (transparency && !has_dissolve && *transparency < 1.0F) material.base_color[3] = 1.0F - *transparency;
 }
 
-// Reads "map_Kd -s 2 2 1 -clamp on name of the image.png": options, each with one or more values, then a name.
-// Sets `moves` where an option scales or moves the image.
+// Reads "map_Kd -s 2 2 1 -clamp on name of the image.png": options, each with one or more values, then a
+// name. Sets `moves` where an option scales or moves the image.
 std::string read_map(TextCursor& cursor, bool& moves) {
   for (;;) {
     TextCursor ahead = cursor;

@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kLargestMaterialFile = std::uint64_t{64} << 20U;
+constexpr std::array<float, 4> kNoColor{-1, -1, -1, -1};  // see finish_colors()
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kMostMaterialFiles = 64;
 constexpr std::size_t kMostMaterials = 65536;
@@ -137,8 +138,8 @@ class ObjParser {
       numbers[count] = *number;
     }
     if (count < 3) return;
-    file_.colors.resize(file_.positions.size(), {1, 1, 1, 1});
-    file_.colors.back() = vertex_color(numbers[0], numbers[1], numbers[2], count == 4 ? numbers[3] : 1);
+    file_.colors.resize(file_.positions.size(), kNoColor);
+    file_.colors.back() = {numbers[0], numbers[1], numbers[2], count == 4 ? numbers[3] : -1};
   }
 
   Vec3f read_vector(std::string_view what) {
@@ -284,6 +285,9 @@ bool read_library(const std::string& model_path, std::string_view name, ObjMater
   if (path.empty()) return false;
   try {
     parse_obj_materials(text_of(read_file(path, kLargestMaterialFile)), materials);
+    for (auto& [material_name, material] : materials) {
+      if (material.library.empty()) material.library = path;
+    }
   } catch (const Error&) {
     return false;
   }
@@ -328,9 +332,10 @@ void set_texture(const ObjMaterial& material, Primitive& primitive, Model& model
     note("the opacity map " + in_quotes(opacity) + " is left out");
   if (material.texture.empty()) return;
   if (material.moves_texture) note("options that scale or move its texture are left out");
-  if (primitive.texcoords.empty()) return note("its texture is left out: the faces have no texture coordinates");
-  primitive.texture =
-      find_texture(model, "material " + in_quotes(primitive.material_name) + ": ", material.texture);
+  if (primitive.texcoords.empty())
+    return note("its texture is left out: the faces have no texture coordinates");
+  primitive.texture = find_texture(model, "material " + in_quotes(primitive.material_name) + ": ",
+                                   material.texture, material.library);
 }
 
 void note_missing_materials(const std::vector<std::string>& names, Model& model) {
@@ -390,7 +395,8 @@ void add_primitives(const ObjFile& file, const ObjMaterials& materials, Model& m
 Model read_obj(const std::string& path, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_model_file(path);
   ObjFile file = ObjParser(path, text_of(bytes)).parse();
-  if (!file.colors.empty()) file.colors.resize(file.positions.size(), {1, 1, 1, 1});
+  if (!file.colors.empty()) file.colors.resize(file.positions.size(), kNoColor);
+  finish_colors(file.colors);
   require_at_most(file.positions.size(), "vertices", path, options);
   require_at_most(file.corners.size(), "face corners", path, options);
 

@@ -1,6 +1,5 @@
 // Reads OFF files (Geomview's object file format) as text: OFF, COFF, NOFF, STOFF and their combinations,
 // with polygons and comments. Colours of faces are left out.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -94,16 +93,6 @@ void read_attributes(TextCursor& cursor, const OffHeader& header, Primitive& pri
   }
 }
 
-// Colours are either numbers up to 1, or bytes.
-void finish_colors(Primitive& primitive) {
-  float largest = 0;
-  for (const auto& color : primitive.colors)
-    largest = std::max({largest, color[0], color[1], color[2], color[3]});
-  const float unit = largest > 1 ? 255.0F : 1.0F;
-  for (auto& c : primitive.colors)
-    c = vertex_color(c[0] / unit, c[1] / unit, c[2] / unit, c[3] < 0 ? 1 : c[3] / unit);
-}
-
 // Reads the vertices.
 void read_vertices(TextCursor& cursor, const OffHeader& header, const std::string& path,
                    Primitive& primitive) {
@@ -117,7 +106,7 @@ void read_vertices(TextCursor& cursor, const OffHeader& header, const std::strin
     read_attributes(cursor, header, primitive);
     cursor.skip_line();
   }
-  finish_colors(primitive);
+  finish_colors(primitive.colors);
 }
 
 // Reads the faces. The colour of a face fills the rest of its line and is left out, with a note.

@@ -1,6 +1,7 @@
 // Reads PLY files: text and binary in both byte orders, polygons and triangle strips, any scalar types. Reads
 // positions, normals, colours and texture coordinates of vertices, and texture coordinates of the corners of
-// faces as MeshLab writes them. Skips other elements and properties. Format: Turk, "The PLY polygon file format", 1994.
+// faces as MeshLab writes them. Skips other elements and properties. Format: Turk, "The PLY polygon file
+// format", 1994.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -132,22 +133,32 @@ class BinaryScalars {
 struct VertexLayout {
   // The numbers that a vertex can have, in this order, with the names that programs give them.
   static constexpr std::size_t kNormal = 3, kColor = 6, kAlpha = 9, kTexcoord = 10, kNumbers = 12;
-  std::vector<int> slot;                     // per property: which of the numbers it is, -1: skipped
-  std::array<float, kNumbers> per_unit{};    // of colours: the number that means 1
+  std::vector<int> slot;                   // per property: which of the numbers it is, -1: skipped
+  std::array<float, kNumbers> per_unit{};  // of colours: the number that means 1
   bool has_normals = false, has_colors = false, has_texcoords = false;
 };
 
 bool is_name_of(std::size_t number, std::string_view name) {
   static const std::array<std::vector<std::string_view>, VertexLayout::kNumbers> kNames{
-      {{"x"}, {"y"}, {"z"}, {"nx", "normal_x"}, {"ny", "normal_y"}, {"nz", "normal_z"},
-       {"red", "r", "diffuse_red"}, {"green", "g", "diffuse_green"}, {"blue", "b", "diffuse_blue"},
-       {"alpha", "a", "diffuse_alpha"}, {"s", "u", "texture_u"}, {"t", "v", "texture_v"}}};
+      {{"x"},
+       {"y"},
+       {"z"},
+       {"nx", "normal_x"},
+       {"ny", "normal_y"},
+       {"nz", "normal_z"},
+       {"red", "r", "diffuse_red"},
+       {"green", "g", "diffuse_green"},
+       {"blue", "b", "diffuse_blue"},
+       {"alpha", "a", "diffuse_alpha"},
+       {"s", "u", "texture_u"},
+       {"t", "v", "texture_v"}}};
   return std::find(kNames.at(number).begin(), kNames.at(number).end(), name) != kNames.at(number).end();
 }
 
-// Colours of integer types reach from 0 to the largest number of the type, those of floats to 1.
+// Colours of one or two bytes reach from 0 to the largest number of the type. For other types finish_colors()
+// decides.
 float unit_of(PlyType type) {
-  if (type == PlyType::float32 || type == PlyType::float64) return 1;
+  if (byte_size(type) > 2) return 1;
   return static_cast<float>(std::pow(2.0, 8.0 * static_cast<double>(byte_size(type))) - 1);
 }
 
@@ -220,6 +231,7 @@ class PlyBody {
     primitive_.name = file_stem(path_);
     set_texture(model);
     add_notes(model);
+    finish_colors(primitive_.colors);
     set_alpha_mode(primitive_, false);
     add_primitive(model, std::move(primitive_));
     return model;
@@ -276,7 +288,7 @@ class PlyBody {
 
   void read_vertex(const PlyElement& element, const VertexLayout& layout) {
     std::array<float, VertexLayout::kNumbers> values{};
-    values[VertexLayout::kAlpha] = 1;
+    values[VertexLayout::kAlpha] = -1;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       if (layout.slot[p] < 0) {
         skip(element.properties[p]);
@@ -290,7 +302,7 @@ class PlyBody {
     }
     mesh_.positions.push_back({values[0], values[1], values[2]});
     if (layout.has_normals) mesh_.normals.push_back({values[3], values[4], values[5]});
-    if (layout.has_colors) primitive_.colors.push_back(vertex_color(values[6], values[7], values[8], values[9]));
+    if (layout.has_colors) primitive_.colors.push_back({values[6], values[7], values[8], values[9]});
     if (layout.has_texcoords) primitive_.texcoords.push_back(texcoord(values[10], values[11]));
   }
 
@@ -375,7 +387,8 @@ class PlyBody {
   // becomes a vertex, numbered by first use. Strips, which would need the old numbers, do not occur beside
   // them.
   void give_corners_vertices(const ReadOptions& options) {
-    if (faces_.texcoords.empty() || faces_.texcoords.size() != 2 * faces_.indices.size() || !strips_.ends.empty())
+    if (faces_.texcoords.empty() || faces_.texcoords.size() != 2 * faces_.indices.size() ||
+        !strips_.ends.empty())
       return;
     require_at_most(faces_.indices.size(), "face corners", path_, options);
     using Key = std::pair<std::int64_t, std::array<float, 2>>;

@@ -34,8 +34,8 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
   std::vector<std::string> textures;  // names of images, from comments "TextureFile NAME"
-  std::size_t body_begin = 0;   // byte where the data begins
-  std::uint64_t body_line = 0;  // its line
+  std::size_t body_begin = 0;         // byte where the data begins
+  std::uint64_t body_line = 0;        // its line
 };
 
 // Parses the header. Throws Error{bad_input} naming the line.

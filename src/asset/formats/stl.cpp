@@ -90,7 +90,8 @@ class AsciiStl {
     return equals_ignoring_case(word.substr(0, keyword.size()), keyword);
   }
 
-  // Reads a keyword of two words, or of one: "outer loop", "endloop" and "end loop". A name may be glued to it.
+  // Reads a keyword of two words, or of one: "outer loop", "endloop" and "end loop". A name may be glued to
+  // it.
   void expect(std::string_view first, std::string_view second, std::string_view word) {
     if (equals_ignoring_case(word, first)) {
       if (begins_with(cursor_.token(), second)) return;

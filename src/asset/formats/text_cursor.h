@@ -14,8 +14,8 @@
 namespace pellucid {
 
 // Parses "1.5", "+2", "-inf", "nan", and the words that older programs for Windows print for infinity and NaN
-// ("1.#INF", "-1.#IND00"). A value beyond the range of the type becomes infinite or zero, as in other programs
-// that convert to float32. Returns nothing if `text` is not a number as a whole.
+// ("1.#INF", "-1.#IND00"). A value beyond the range of the type becomes infinite or zero, as in other
+// programs that convert to float32. Returns nothing if `text` is not a number as a whole.
 std::optional<float> parse_float(std::string_view text);
 std::optional<double> parse_double(std::string_view text);
 // Parses a decimal integer with or without a sign. Returns nothing if it does not fit.

@@ -1,6 +1,6 @@
 // Implements triangulate() of foreign_model.h: ear clipping (Meisters 1975) of polygons with any number of
-// corners. Orientations are exact (Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997), and a tree
-// over the reflex corners finds those that may lie in an ear.
+// corners. Orientations are exact (Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997), and a
+// tree over the reflex corners finds those that may lie in an ear.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -112,8 +112,8 @@ class CornerTree {
       --nodes_[node].left_over;
   }
 
-  // Calls `test` with corners in or near the triangle a, b, c, which turns left, until it returns true. Returns
-  // whether it did. Adds the number of steps to `steps`.
+  // Calls `test` with corners in or near the triangle a, b, c, which turns left, until it returns true.
+  // Returns whether it did. Adds the number of steps to `steps`.
   template <class Test>
   bool any(const Point& a, const Point& b, const Point& c, std::uint64_t& steps, const Test& test) const {
     std::array<std::uint32_t, 128> pending{};
@@ -228,8 +228,9 @@ class EarClipper {
   }
 
  private:
-  // What counts as an ear, if a whole round has found none that is better: a corner on a line (its triangle has
-  // no area), an ear with other corners on its border, and in a polygon that intersects itself any corner.
+  // What counts as an ear, if a whole round has found none that is better: a corner on a line (its triangle
+  // has no area), an ear with other corners on its border, and in a polygon that intersects itself any
+  // corner.
   enum Lenience { kStrict = 0, kOnLine, kTouched, kAnything };
   // Bounds the time for hostile polygons; others need some dozens of steps a corner.
   static constexpr std::uint64_t kStepsPerCorner = 16384;
@@ -238,8 +239,8 @@ class EarClipper {
     return turn(points_[previous_[b]], points_[b], points_[next_[b]]);
   }
 
-  // Corners that may lie in an ear: in a simple polygon only reflex ones. Where several corners share a place,
-  // the edges of each may cross an ear of another.
+  // Corners that may lie in an ear: in a simple polygon only reflex ones. Where several corners share a
+  // place, the edges of each may cross an ear of another.
   [[nodiscard]] std::vector<std::uint32_t> blocking_corners() const {
     std::map<std::pair<double, double>, int> at_place;
     for (const Point& p : points_) ++at_place[{p.x, p.y}];
@@ -250,7 +251,8 @@ class EarClipper {
     return blocking;
   }
 
-  // Returns whether the direction from b to p lies strictly between those to c and a, where a, b, c turn left.
+  // Returns whether the direction from b to p lies strictly between those to c and a, where a, b, c turn
+  // left.
   [[nodiscard]] bool points_into(const Point& p, const Point& a, const Point& b, const Point& c) const {
     return turn(b, c, p) > 0 && turn(b, p, a) > 0;
   }
@@ -270,7 +272,8 @@ class EarClipper {
       const Point& p = points_[i];
       if (p == a || p == c) return false;
       // An edge that leaves from the place of the ear's tip into the ear crosses its base.
-      if (p == b) return points_into(points_[next_[i]], a, b, c) || points_into(points_[previous_[i]], a, b, c);
+      if (p == b)
+        return points_into(points_[next_[i]], a, b, c) || points_into(points_[previous_[i]], a, b, c);
       const int ab = turn(a, b, p);
       const int bc = turn(b, c, p);
       const int ca = turn(c, a, p);

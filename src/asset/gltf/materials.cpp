@@ -113,13 +113,14 @@ class MaterialReader {
     if (glossy) not_drawn_.insert("specular colour and glossiness");
     if (const auto pbr = material.find_object("pbrMetallicRoughness"); pbr && !glossy) {
       const bool map = pbr->has("metallicRoughnessTexture");
-      if (map || (pbr->has("metallicFactor") && pbr->number("metallicFactor") > 0)) not_drawn_.insert("metal");
+      if (map || (pbr->has("metallicFactor") && pbr->number("metallicFactor") > 0))
+        not_drawn_.insert("metal");
       if (map || pbr->has("roughnessFactor")) not_drawn_.insert("roughness");
     }
     constexpr std::array<const char*, 10> kExtensions{
-        "KHR_materials_clearcoat",   "KHR_materials_sheen",      "KHR_materials_anisotropy",
-        "KHR_materials_iridescence", "KHR_materials_specular",   "KHR_materials_volume",
-        "KHR_materials_dispersion",  "KHR_materials_ior",        "KHR_materials_diffuse_transmission",
+        "KHR_materials_clearcoat",   "KHR_materials_sheen",    "KHR_materials_anisotropy",
+        "KHR_materials_iridescence", "KHR_materials_specular", "KHR_materials_volume",
+        "KHR_materials_dispersion",  "KHR_materials_ior",      "KHR_materials_diffuse_transmission",
         "KHR_materials_variants"};
     for (const char* name : kExtensions) {
       if (material.extension(name)) not_drawn_.insert(name);

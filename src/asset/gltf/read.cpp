@@ -230,8 +230,8 @@ class GltfModelReader {
         if (model_.instances.size() == kMaxInstances)
           node.fields.fail("the scene draws more than a million primitives");
         const Mat4 world = in_node == Mat4{} ? node.world : multiply(node.world, in_node);
-        model_.instances.push_back({name, static_cast<std::uint32_t>(p), world,
-                                    static_cast<std::uint32_t>(node.index), in_node});
+        model_.instances.push_back(
+            {name, static_cast<std::uint32_t>(p), world, static_cast<std::uint32_t>(node.index), in_node});
       }
     }
   }
@@ -267,7 +267,8 @@ class GltfModelReader {
   template <std::size_t N>
   static std::array<double, N> values_at(const std::vector<float>& values, std::size_t i,
                                          std::array<double, N> otherwise) {
-    if (!values.empty()) std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(N * i), N, otherwise.begin());
+    if (!values.empty())
+      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(N * i), N, otherwise.begin());
     return otherwise;
   }
 
@@ -303,7 +304,8 @@ class GltfModelReader {
       return std::find(kUnderstood.begin(), kUnderstood.end(), name) != kUnderstood.end();
     };
     for (const std::string& name : names("extensionsUsed")) {
-      if (name != "KHR_materials_transmission" && !understood(name)) note(short_name(name) + " kept, not read");
+      if (name != "KHR_materials_transmission" && !understood(name))
+        note(short_name(name) + " kept, not read");
     }
     for (const std::string& name : names("extensionsRequired")) {
       if (!understood(name)) model_.unknown_required.push_back(short_name(name));

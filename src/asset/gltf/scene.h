@@ -2,7 +2,6 @@
 // every node that is drawn, with its world matrix. Format: glTF 2.0, section 3.5.
 #pragma once
 
-#include <cstdint>
 #include <array>
 #include <cstdint>
 #include <functional>

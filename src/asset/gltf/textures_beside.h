@@ -12,8 +12,8 @@ namespace pellucid {
 
 using SideFile = std::pair<std::string, Bytes>;  // path and content
 
-// Changes the images of the document, which was read from document().path, so that the file that is written to
-// `output` finds them. With `embed`, and for a .glb in another folder, they become part of its data. For a
+// Changes the images of the document, which was read from document().path, so that the file that is written
+// to `output` finds them. With `embed`, and for a .glb in another folder, they become part of its data. For a
 // .gltf in another folder returns the copies to write, which keep their relative paths unless these lead out
 // of the folder or belong to other files. Files that are missing stay named as they are, with a note.
 std::vector<SideFile> carry_textures(DocumentEditor& editor, const std::string& output, bool embed,

@@ -30,8 +30,7 @@ void check_looks(const RenderScene& scene) {
     complain("a scene has texture coordinates and colours for every position, or for none");
   for (const Surface& s : scene.surfaces) {
     for (const std::optional<std::uint32_t>& texture : {s.texture, s.emissive_texture}) {
-      if (texture && *texture >= scene.textures.size())
-        complain("a surface has a texture that is not there");
+      if (texture && *texture >= scene.textures.size()) complain("a surface has a texture that is not there");
       if (texture && scene.texcoords.empty()) complain("a textured scene has texture coordinates");
     }
   }

@@ -62,7 +62,8 @@ bool is_finite(const Mat4& a) {
   return std::all_of(a.m.begin(), a.m.end(), [](double number) { return std::isfinite(number); });
 }
 
-// Rotations leave rounding where a scale is zero, so volumes and areas are judged by the lengths of the columns.
+// Rotations leave rounding where a scale is zero, so volumes and areas are judged by the lengths of the
+// columns.
 constexpr double kNothing = 1e-12;
 
 // Returns whether a matrix makes everything flat, or even smaller.

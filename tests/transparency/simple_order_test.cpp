@@ -1,5 +1,7 @@
-// Tests meshes that need no search: their one order is right from everywhere, which rasterised fragments show,
-// and meshes that need one are not taken for them.
+// Tests meshes that need no search: their one order is right from everywhere, which rasterised fragments
+// show, and meshes that need one are not taken for them.
+#include "transparency/simple_order.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "pellucid/raster.h"
 #include "pellucid/shading.h"
 #include "pellucid/transparency.h"
-#include "transparency/simple_order.h"
 
 namespace pellucid {
 namespace {
@@ -17,7 +18,8 @@ namespace {
 Mesh box() {
   Mesh mesh;
   for (int i = 0; i < 8; ++i)
-    mesh.positions.push_back({static_cast<float>(i & 1), static_cast<float>((i >> 1) & 1), static_cast<float>(i >> 2)});
+    mesh.positions.push_back(
+        {static_cast<float>(i & 1), static_cast<float>((i >> 1) & 1), static_cast<float>(i >> 2)});
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return mesh;
@@ -42,8 +44,8 @@ double wrong_pixels(const Mesh& mesh, const NodeSequence& order, Facing facing) 
   Random random(5);
   double wrong = 0, covered = 0;
   for (int view = 0; view < 40; ++view) {
-    const Vec3d direction = normalized(
-        Vec3d{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)});
+    const Vec3d direction =
+        normalized(Vec3d{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)});
     const double distance = view % 4 == 0 ? kInfiniteDistance : random.uniform(1.05, 4.0);
     FragmentBuffer fragments;
     rasterize(mesh, look_at_sphere(bounding_sphere(mesh), {direction, distance}, 64, 64),
@@ -90,7 +92,8 @@ TEST(SimpleOrder, OtherMeshesNeedASearch) {
   EXPECT_FALSE(find_simple_order(two, bounding_sphere(two), Facing::duplicated));
   // A decal on a face of the box.
   Mesh decal = box();
-  for (const Vec3f& p : {Vec3f{0.2F, 0.2F, 1}, {0.8F, 0.2F, 1}, {0.5F, 0.8F, 1}}) decal.positions.push_back(p);
+  for (const Vec3f& p : {Vec3f{0.2F, 0.2F, 1}, {0.8F, 0.2F, 1}, {0.5F, 0.8F, 1}})
+    decal.positions.push_back(p);
   decal.triangles.push_back({8, 9, 10});
   EXPECT_FALSE(find_simple_order(decal, bounding_sphere(decal), Facing::duplicated));
   Mesh dented = box();

@@ -62,21 +62,24 @@ bool is_finite(const Mat4& a) {
   return std::all_of(a.m.begin(), a.m.end(), [](double number) { return std::isfinite(number); });
 }
 
-// Rotations leave rounding where a scale is zero, so volumes and areas are judged by the lengths of the
-// columns.
-constexpr double kNothing = 1e-12;
+double longest_column(const Mat4& a) {
+  return std::max({length(column(a, 0)), length(column(a, 1)), length(column(a, 2))});
+}
+
+// Rotations leave rounding where a scale is zero, so volumes and areas are judged by the longest column.
 
 // Returns whether a matrix makes everything flat, or even smaller.
 bool is_flat(const Mat4& a, const Cofactors& c) {
-  const double volume = length(column(a, 0)) * length(column(a, 1)) * length(column(a, 2));
-  return !std::isnormal(c.determinant) || std::abs(c.determinant) <= kNothing * volume;
+  constexpr double kNoVolume = 1e-15;
+  return !std::isnormal(c.determinant) ||
+         std::abs(c.determinant) <= kNoVolume * std::pow(longest_column(a), 3);
 }
 
 // Returns whether a matrix makes everything a line or a point.
 bool is_line(const Mat4& a, const Cofactors& c) {
-  const double longest = std::max({length(column(a, 0)), length(column(a, 1)), length(column(a, 2))});
+  constexpr double kNoArea = 1e-12;
   const double area = std::max({length(c.row0), length(c.row1), length(c.row2)});
-  return !std::isnormal(area) || area <= kNothing * longest * longest;
+  return !std::isnormal(area) || area <= kNoArea * std::pow(longest_column(a), 2);
 }
 
 // Moves the target of a matrix to an origin. The difference is rounded to float32, so that it does not depend

@@ -2,9 +2,7 @@
 #include "transparency/simple_order.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <vector>
 
@@ -15,6 +13,9 @@ namespace {
 
 // Vertices nearer to a plane than this many radii lie in it. No pixel shows the difference.
 constexpr double kThickness = 1e-6;
+
+// Larger meshes on a hull are searched like any other.
+constexpr std::size_t kLargestHull = 2000;
 
 struct Plane {
   Vec3d normal;  // unit
@@ -65,21 +66,19 @@ bool share_an_edge(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
 }
 
 // Returns whether no plane holds more than the two halves of a quadrilateral. Then no faces of the hull
-// coincide.
+// coincide. Takes O(T^2).
 bool has_single_faces(const Mesh& mesh, const std::vector<Plane>& planes, double radius) {
-  std::map<std::array<std::int64_t, 4>, std::uint32_t> first;
-  constexpr double kPlaneSteps = 1e5;
-  std::vector<std::uint8_t> doubled(planes.size(), 0);
-  for (std::uint32_t t = 0; t < planes.size(); ++t) {
-    const Plane& p = planes[t];
-    const auto step = [&](double value) {
-      return static_cast<std::int64_t>(std::llround(value * kPlaneSteps));
-    };
-    const auto [entry, is_new] =
-        first.try_emplace({step(p.normal.x), step(p.normal.y), step(p.normal.z), step(p.offset / radius)}, t);
-    if (is_new) continue;
-    if (doubled[entry->second] != 0 || !share_an_edge(mesh, entry->second, t)) return false;
-    doubled[entry->second] = 1;
+  constexpr double kParallel = 1e-5;
+  std::vector<std::uint8_t> paired(planes.size(), 0);
+  for (std::uint32_t a = 0; a < planes.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < planes.size(); ++b) {
+      const double side = dot(planes[a].normal, planes[b].normal);
+      if (std::abs(side) < 0.9 || length(cross(planes[a].normal, planes[b].normal)) > kParallel) continue;
+      const double offset = side > 0 ? planes[b].offset : -planes[b].offset;
+      if (std::abs(planes[a].offset - offset) > kParallel * radius) continue;
+      if (side < 0 || paired[a] != 0 || paired[b] != 0 || !share_an_edge(mesh, a, b)) return false;
+      paired[a] = paired[b] = 1;
+    }
   }
   return true;
 }
@@ -118,12 +117,13 @@ std::optional<SimpleOrder> find_simple_order(const Mesh& mesh, const BoundingSph
   if (flat) {
     // Each side of the plane shows one side of every face. The last face of the file was painted over the
     // others.
-    std::vector<std::uint32_t> last_first(simple.base.rbegin(), simple.base.rend());
-    std::fill(outward.begin(), outward.end(), std::uint8_t{1});
-    simple.front_to_back = hull_order(last_first, outward, facing);
+    for (auto t = simple.base.rbegin(); t != simple.base.rend(); ++t) {
+      simple.front_to_back.push_back(node_of(*t, false));
+      if (facing == Facing::duplicated) simple.front_to_back.push_back(node_of(*t, true));
+    }
     return simple;
   }
-  if (!has_single_faces(mesh, planes, sphere.radius)) return {};
+  if (mesh.triangles.size() > kLargestHull || !has_single_faces(mesh, planes, sphere.radius)) return {};
   const std::vector<std::uint32_t> positions = cache_positions(mesh);
   for (std::uint32_t t = 0; t < positions.size(); ++t) simple.base[positions[t]] = t;
   simple.front_to_back = hull_order(simple.base, outward, facing);

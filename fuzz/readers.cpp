@@ -128,7 +128,12 @@ void check_model_file(Input bytes, std::string_view extension) {
 
 void read_mtl(Input bytes) {
   ObjMaterials materials;
-  parse_obj_materials({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, materials);
+  try {
+    parse_obj_materials({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, materials);
+  } catch (const Error& error) {
+    // Text in UTF-16 is all that it refuses.
+    if (error.kind() != ErrorKind::bad_input) broken("a material file is refused as bad input", error.what());
+  }
 }
 
 // Textures, and --importance-image. A header may promise up to 2^27 texels, which read_image() allows.

@@ -101,7 +101,8 @@ struct ObjMaterial {
 };
 using ObjMaterials = std::map<std::string, ObjMaterial, std::less<>>;  // by name
 
-// Adds the materials of an MTL file; ignores lines that it does not understand. Declared here for fuzzing.
+// Adds the materials of an MTL file; ignores lines that it does not understand. Throws Error{bad_input} for
+// text in UTF-16. Declared here for fuzzing.
 void parse_obj_materials(std::string_view text, ObjMaterials& materials);
 
 }  // namespace pellucid

@@ -322,6 +322,14 @@ TEST(Polygon, CombsAndSpiralsOfAnySizeAreCoveredExactly) {
   expect_exact_cover(spiral, "spiral");
 }
 
+TEST(Polygon, DoubledCornersHideNoTurn) {
+  Outline dart{{0, 0}, {3, 0}, {1, 1}, {1, 1}, {0, 3}};
+  for (std::size_t first = 0; first < dart.size(); ++first) {
+    expect_exact_cover(dart, "rotation " + std::to_string(first));
+    std::rotate(dart.begin(), dart.begin() + 1, dart.end());
+  }
+}
+
 TEST(Polygon, HolesJoinedByBridgesAreCoveredExactly) {
   // A square with a row of square holes; each is joined to the one before by an edge that is walked twice.
   for (const int holes : {1, 2, 7, 60}) {

@@ -193,7 +193,8 @@ class EarClipper {
 
   [[nodiscard]] bool convex() const {
     for (std::uint32_t i = 0; i < corners_.size(); ++i) {
-      if (turn_at(i) < 0) return false;
+      const int direction = turn_at(i);
+      if (direction < 0 || (direction == 0 && !goes_on(i))) return false;
     }
     return true;
   }
@@ -234,6 +235,15 @@ class EarClipper {
   enum Lenience { kStrict = 0, kOnLine, kTouched, kAnything };
   // Bounds the time for hostile polygons; others need some dozens of steps a corner.
   static constexpr std::uint64_t kStepsPerCorner = 16384;
+
+  // Returns whether the outline goes on in its direction at a corner on a line. Where it turns back or stands
+  // still (two corners at one place), that corner hides the turn of its neighbour.
+  [[nodiscard]] bool goes_on(std::uint32_t b) const {
+    const Point& p = points_[b];
+    const Point& before = points_[previous_[b]];
+    const Point& after = points_[next_[b]];
+    return (p.x - before.x) * (after.x - p.x) + (p.y - before.y) * (after.y - p.y) > 0;
+  }
 
   [[nodiscard]] int turn_at(std::uint32_t b) const {
     return turn(points_[previous_[b]], points_[b], points_[next_[b]]);

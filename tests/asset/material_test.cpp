@@ -81,7 +81,8 @@ HandMade textured() {
   }
   file.primitive()["material"] = 0;
   file.json["materials"] = Json::parse(
-      R"([{"alphaMode":"MASK","alphaCutoff":0.25,"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}])");
+      R"([{"alphaMode":"MASK","alphaCutoff":0.25,
+          "pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}}])");
   file.json["textures"] = Json::parse(R"([{"source":0}])");
   return file;
 }
@@ -268,6 +269,31 @@ TEST_F(MaterialFiles, OneNoteNamesWhatIsNotDrawn) {
   EXPECT_THAT(read(file).notes,
               ::testing::ElementsAre("of its materials these are not drawn: KHR_materials_clearcoat, metal, "
                                      "normal maps, roughness"));
+}
+
+// glTF, section 3.9.2: what a material does not say is all metal.
+TEST_F(MaterialFiles, MetalIsNotedWhereTheFileLeavesItOut) {
+  HandMade file = textured();
+  embed(file, png_of(3, 2));
+  Json& material = file.json["materials"][0];
+  const auto notes_metal = ::testing::ElementsAre("of its materials these are not drawn: metal");
+  EXPECT_TRUE(read(file).notes.empty());
+  material["pbrMetallicRoughness"].erase("metallicFactor");
+  EXPECT_THAT(read(file).notes, notes_metal);
+  material.erase("pbrMetallicRoughness");
+  EXPECT_THAT(read(file).notes, notes_metal);
+}
+
+TEST_F(MaterialFiles, OneNoteNamesEveryExtensionThatIsNotDrawn) {
+  HandMade file = textured();
+  embed(file, png_of(3, 2));
+  Json& extensions = file.json["materials"][0]["extensions"];
+  extensions["EXT_materials_of_tomorrow"] = Json::object();
+  extensions["KHR_materials_emissive_strength"] = Json::object();
+  extensions["KHR_materials_transmission"]["transmissionTexture"]["index"] = 0;
+  EXPECT_THAT(read(file).notes,
+              ::testing::ElementsAre("of its materials these are not drawn: EXT_materials_of_tomorrow, "
+                                     "refraction (transmission is drawn as opacity), transmission maps"));
 }
 
 TEST_F(MaterialFiles, NamesDamagedImages) {

@@ -107,26 +107,36 @@ class MaterialReader {
   // Keeps what a material asks for and the renderer does not draw.
   void list_what_is_not_drawn(const Fields& material) {
     if (material.extension("KHR_materials_unlit")) return;
+    list_other_extensions(material);
     if (material.has("normalTexture")) not_drawn_.insert("normal maps");
     if (material.has("occlusionTexture")) not_drawn_.insert("occlusion maps");
-    const bool glossy = material.extension("KHR_materials_pbrSpecularGlossiness").has_value();
-    if (glossy) not_drawn_.insert("specular colour and glossiness");
-    if (const auto pbr = material.find_object("pbrMetallicRoughness"); pbr && !glossy) {
-      const bool map = pbr->has("metallicRoughnessTexture");
-      if (map || (pbr->has("metallicFactor") && pbr->number("metallicFactor") > 0))
-        not_drawn_.insert("metal");
-      if (map || pbr->has("roughnessFactor")) not_drawn_.insert("roughness");
+    const auto glass = material.extension("KHR_materials_transmission");
+    if (glass) not_drawn_.insert("refraction (transmission is drawn as opacity)");
+    if (glass && glass->has("transmissionTexture")) not_drawn_.insert("transmission maps");
+    if (material.extension("KHR_materials_pbrSpecularGlossiness")) {
+      not_drawn_.insert("specular colour and glossiness");
+      return;
     }
-    constexpr std::array<const char*, 10> kExtensions{
-        "KHR_materials_clearcoat",   "KHR_materials_sheen",    "KHR_materials_anisotropy",
-        "KHR_materials_iridescence", "KHR_materials_specular", "KHR_materials_volume",
-        "KHR_materials_dispersion",  "KHR_materials_ior",      "KHR_materials_diffuse_transmission",
-        "KHR_materials_variants"};
-    for (const char* name : kExtensions) {
-      if (material.extension(name)) not_drawn_.insert(name);
+    const auto pbr = material.find_object("pbrMetallicRoughness");
+    const bool map = pbr && pbr->has("metallicRoughnessTexture");
+    // What a material does not say is all metal.
+    const double metal = pbr ? pbr->number_or("metallicFactor", 1) : 1;
+    if (metal > 0) not_drawn_.insert("metal");
+    if (map || (pbr && pbr->has("roughnessFactor"))) not_drawn_.insert("roughness");
+  }
+
+  // Keeps the names of all extensions of a material that neither this class nor list_what_is_not_drawn()
+  // reads.
+  void list_other_extensions(const Fields& material) {
+    constexpr std::array<const char*, 3> kRead{"KHR_materials_emissive_strength",
+                                               "KHR_materials_pbrSpecularGlossiness",
+                                               "KHR_materials_transmission"};
+    const auto extensions = material.find_object("extensions");
+    if (!extensions) return;
+    for (const auto& item : extensions->json().items()) {
+      const bool read = std::find(kRead.begin(), kRead.end(), item.key()) != kRead.end();
+      if (!read) not_drawn_.insert(short_name(item.key()));
     }
-    if (material.extension("KHR_materials_transmission"))
-      not_drawn_.insert("refraction (transmission is drawn as opacity)");
   }
 
   void note_what_is_not_drawn() {

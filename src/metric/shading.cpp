@@ -42,6 +42,14 @@ double to_the_48th(double x) {
   return x16 * x16 * x16;
 }
 
+// Fragments keep colours of 0..2 (pack_color() in shaders/frame.glsl). Only surfaces that emit light exceed
+// it.
+Vec3d clipped(const Vec3d& color) {
+  constexpr double kBrightest = 2;
+  return {std::clamp(color.x, 0.0, kBrightest), std::clamp(color.y, 0.0, kBrightest),
+          std::clamp(color.z, 0.0, kBrightest)};
+}
+
 Vec3d flipped_towards(const Vec3d& v, const Vec3d& side) {
   return dot(v, side) < 0 ? -v : v;
 }
@@ -141,7 +149,7 @@ Vec3d FragmentShader::normal_at(const Ray& ray, NodeId node) const {
 
 ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const SurfaceLook& look,
                                          double log2_transmittance) const {
-  if (look.unlit) return {to_double(look.color) + to_double(look.emissive), look.alpha, node};
+  if (look.unlit) return {clipped(to_double(look.color) + to_double(look.emissive)), look.alpha, node};
   const Vec3d normal = normal_at(ray, node);
   const Vec3d to_eye = -ray.direction;
   const double facing = std::clamp(dot(normal, to_eye), 0.0, 1.0);
@@ -151,8 +159,8 @@ ShadedFragment FragmentShader::shade_lit(const Ray& ray, NodeId node, const Surf
   const double diffuse = kAmbient + kHeadlight * facing + kFill * fill;
   const double gloss = kHighlight * to_the_48th(highlight);
   const double alpha = 1 - std::exp2(log2_transmittance / std::max(facing, kGrazingCosine));
-  return {to_double(look.color) * diffuse + Vec3d{gloss, gloss, gloss} + to_double(look.emissive), alpha,
-          node};
+  const Vec3d reflected = to_double(look.color) * diffuse + Vec3d{gloss, gloss, gloss};
+  return {clipped(reflected + to_double(look.emissive)), alpha, node};
 }
 
 ShadedFragment FragmentShader::shade_depth(const Fragment& fragment) const {

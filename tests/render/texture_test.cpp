@@ -1,5 +1,5 @@
-// Tests textures, vertex colours and cut-outs: the reference on cases made by hand, and the device against
-// the reference.
+// Tests textures, vertex colours, cut-outs, unlit and emissive surfaces: the reference on cases made by hand,
+// and the device against the reference.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -189,6 +189,56 @@ TEST_P(TexturesOnDevice, AreThoseOfTheReference) {
 
 INSTANTIATE_TEST_SUITE_P(Effects, TexturesOnDevice,
                          ::testing::Values(Effect::transparency, Effect::complexity));
+
+// A sheet over an opaque black square, on the whole image.
+RenderScene sheet_over_black(const Surface& sheet) {
+  RenderScene scene =
+      testing::joined(testing::coplanar_squares(1, 0.25F), testing::coplanar_squares(1, 0.5F));
+  scene.surfaces[0] = sheet;
+  scene.surfaces[1] = {.color = {0, 0, 0}, .alpha = 1, .opaque = true, .unlit = true};
+  return scene;
+}
+
+TEST(EmissionReference, AddsToTheLightAndKeepsItsColour) {
+  const auto linear = [](const Surface& sheet) {
+    return draw_reference(sheet_over_black(sheet), testing::unit_camera(2, 2), {}).pixels[0];
+  };
+  const Vec3f unlit = linear({.color = {0.5F, 0.25F, 0}, .alpha = 1, .opaque = true, .unlit = true});
+  EXPECT_LT(testing::difference(unlit, {0.5F, 0.25F, 0}), 1e-6F);
+  const Vec3f dark = linear({.color = {0, 0, 0}, .alpha = 1, .opaque = true});
+  const Vec3f glowing =
+      linear({.color = {0, 0, 0}, .alpha = 1, .opaque = true, .emissive = {0.5F, 0.25F, 0}});
+  EXPECT_LT(testing::difference(glowing, dark + Vec3f{0.5F, 0.25F, 0}), 1e-6F);
+}
+
+class EmissionOnDevice : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EmissionOnDevice, IsThatOfTheReference) {
+  const Camera camera = testing::unit_camera(4, 4);
+  RenderOptions options;
+  for (const bool unlit : {false, true}) {
+    for (const float strength : {0.5F, 1.9F, 10.0F}) {
+      for (const float alpha : {0.05F, 0.3F}) {
+        const RenderScene scene = sheet_over_black({.color = {0.2F, 0.1F, 0.1F},
+                                                    .alpha = alpha,
+                                                    .unlit = unlit,
+                                                    .emissive = {strength, strength / 2, strength / 5}});
+        testing::test_renderer().load(scene);
+        options.technique = GetParam();
+        const RenderResult drawn = testing::test_renderer().draw(camera, options);
+        const RenderResult expected = draw_reference(scene, camera, options);
+        EXPECT_LT(testing::largest_difference(drawn, expected), 0.02F)
+            << "strength " << strength << ", alpha " << alpha << ", unlit " << unlit;
+      }
+    }
+  }
+}
+
+std::vector<std::string> exact_techniques() {
+  return testing::techniques_that([](const TechniqueInfo& info) { return info.exact; });
+}
+INSTANTIATE_TEST_SUITE_P(Techniques, EmissionOnDevice, ::testing::ValuesIn(exact_techniques()),
+                         testing::technique_test_name);
 
 }  // namespace
 }  // namespace pellucid

@@ -108,7 +108,7 @@ struct SceneObject {
   std::uint32_t first_triangle = 0;  // of Scene::mesh
   std::uint32_t first_vertex = 0;
   std::uint32_t instance = 0;  // index into Model::instances
-  bool mirrored = false;       // its triangles were turned, because its world matrix mirrors
+  bool mirrored = false;       // its triangles were turned, because its world matrix or its joints mirror
   // False for an instance that its matrix makes flat: it has no view of its own, and is drawn as stored.
   bool has_inverse = true;
   Mat4 local_from_world;  // `world` as in Scene::mesh; identity without an inverse

@@ -198,11 +198,12 @@ void set_normals(const Mesh& local, Mesh posed, std::span<Vec3f> normals) {
   for (std::size_t v = 0; v < points.size(); ++v) normals[v] = smooth[points[v]];
 }
 
-// Turns the triangles of an object if its joints mirror it and its node does not, or the other way round.
-void turn_as(const Triangle& drawn, const Triangle& in_file, const SceneObject& object, std::size_t count,
+// Turns the triangles of an object if its joints mirror it and it is not turned yet, or the other way round.
+void turn_as(const Triangle& drawn, const Triangle& in_file, std::size_t count, SceneObject& object,
              Scene& scene) {
   const bool turned = drawn[1] - drawn[0] != in_file[1] - in_file[0];
   if (turned == object.mirrored) return;
+  object.mirrored = turned;
   for (std::size_t t = 0; t < count; ++t) {
     Triangle& triangle = scene.mesh.triangles[object.first_triangle + t];
     std::swap(triangle[1], triangle[2]);
@@ -224,7 +225,7 @@ void place_deformed(const Model& model, const PosableModel& posable, const std::
                     Moved moved, Scene& scene) {
   const std::vector<ModelPart>& parts = posable.parts();
   std::size_t next = 0;
-  for (const SceneObject& object : scene.objects) {
+  for (SceneObject& object : scene.objects) {
     while (parts[next].instance != object.instance) ++next;
     const ModelPart& part = parts[next];
     if (moved == Moved::deformed && !model.primitives[object.primitive].deforms) continue;
@@ -233,7 +234,7 @@ void place_deformed(const Model& model, const PosableModel& posable, const std::
     const auto target = scene.mesh.positions.begin() + object.first_vertex;
     std::copy_n(positions.begin() + part.first_vertex, count, target);
     turn_as(posable.triangles()[part.first_triangle], model.primitives[object.primitive].mesh.triangles[0],
-            object, primitive.mesh.triangles.size(), scene);
+            primitive.mesh.triangles.size(), object, scene);
     set_normals(primitive.mesh, posed_part(scene, object, primitive.mesh, scene.mesh.positions),
                 std::span(scene.mesh.normals).subspan(object.first_vertex, static_cast<std::size_t>(count)));
   }

@@ -263,6 +263,20 @@ TEST(PosableModel, MirroredPartsAreTurned) {
   EXPECT_EQ(posable(skinned).triangles().at(0), (Triangle{0, 3, 1}));
 }
 
+TEST(PosableModel, ASceneTurnsMirroredPartsOnceHoweverOftenItIsPosed) {
+  HandMade skinned = ribbon();
+  skinned.json["nodes"][1]["scale"] = {-1, 1, 1};
+  add_channel(skinned, 0, 2, "translation", {0, 1}, {0, 1, 0, 0, 1, 0});
+  const TempFolder folder;
+  const Model model = read_model(skinned.save(folder / "mirrored.glb"));
+  Scene scene = make_scene(model);
+  EXPECT_EQ(scene.mesh.triangles.at(0), (Triangle{0, 3, 1}));
+  for (int i = 0; i < 2; ++i) {
+    pose_scene(model, "0", 0.5, scene);
+    EXPECT_EQ(scene.mesh.triangles.at(0), (Triangle{0, 3, 1}));
+  }
+}
+
 TEST(PosableModel, DegenerateTrianglesAreKept) {
   if (!can_subdivide()) GTEST_SKIP() << "this build has no OpenSubdiv";
   HandMade file = lone_triangle();
